@@ -1,6 +1,6 @@
 #include "solver/nonnegative.hpp"
 
-#include <Eigen/QR>
+#include "base/dense.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -15,7 +15,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen:
   const Eigen::VectorXd size = A.colwise().norm();
   const double small = 1e-14 * b.norm();
   for (Eigen::Index iteration = 0; iteration < 3 * n + 10; ++iteration) {
-    const Eigen::VectorXd slope = A.transpose() * (b - A * x);
+    const Eigen::VectorXd slope = transposed_multiply(A, b - multiply(A, x));
     Eigen::Index enters = -1;
     double most = 0;
     for (Eigen::Index j = 0; j < n; ++j)
@@ -27,7 +27,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen:
     passive.push_back(enters);
     is_passive[static_cast<std::size_t>(enters)] = true;
     while (!passive.empty()) {
-      const Eigen::VectorXd z = A(Eigen::all, passive).colPivHouseholderQr().solve(b);
+      const Eigen::VectorXd z = solve_least_squares(A(Eigen::all, passive), b);
       double share = 1;
       Eigen::Index leaves = -1;
       for (std::size_t k = 0; k < passive.size(); ++k) {

@@ -9,10 +9,11 @@ complain() {
   status=1
 }
 declare -A below=(
-  [geometry]="geometry" [solver]="solver geometry" [topo]="topo solver geometry" [optimize]="optimize topo solver geometry"
-  [io]="io optimize topo solver geometry" [plot]="plot io optimize topo solver geometry"
-  [python]="python app plot io optimize topo solver geometry"
-  [bench]="bench app plot io optimize topo solver geometry" [app]="app plot io optimize topo solver geometry"
+  [base]="base" [geometry]="geometry base" [solver]="solver geometry base" [topo]="topo solver geometry base"
+  [optimize]="optimize topo solver geometry base"
+  [io]="io optimize topo solver geometry base" [plot]="plot io optimize topo solver geometry base"
+  [python]="python app plot io optimize topo solver geometry base"
+  [bench]="bench app plot io optimize topo solver geometry base" [app]="app plot io optimize topo solver geometry base"
 )
 # The room that a public header belongs to.
 declare -A home=(
@@ -71,7 +72,7 @@ only() {  # only PATTERN FILE...: the header may be included in those files alon
       *" $file "*) ;;
       *) complain "$file includes $1, which belongs in ${*:2}" ;;
     esac
-  done < <(grep -rlE "^#include <$1" include geometry solver topo optimize io plot bench app python --include=*.cpp --include=*.hpp)
+  done < <(grep -rlE "^#include <$1" include base geometry solver topo optimize io plot bench app python --include=*.cpp --include=*.hpp)
 }
 only CGAL/ geometry/mesher/mesher.cpp
 only cholmod solver/system/symbolic.cpp
@@ -85,12 +86,12 @@ only petsc app/petsc_module.cpp
 only mpi app/petsc_module.cpp
 only cairo plot/figure/pen.hpp
 only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
-only CLI app/main.cpp bench/main.cpp
+only CLI app/command_line.cpp
 only spdlog app/progress.cpp
 only pybind11 python/module.cpp python/document.cpp python/document.hpp
 # Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
 # single file belong into its anonymous namespace.
-headers=$(find include geometry solver topo optimize io plot bench app python -name '*.hpp')
+headers=$(find include base geometry solver topo optimize io plot bench app python -name '*.hpp')
 while IFS= read -r name; do
   complain "struct or class $name is defined in more than one header: $(grep -lE "^(struct|class) $name( |$)[^;]*$" $headers | tr '\n' ' ')"
 done < <(grep -hoE "^(struct|class) [A-Za-z_]+( final)?( :[^;]*)? ?\{" $headers | awk '{print $2}' | sort | uniq -d)

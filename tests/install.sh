@@ -9,7 +9,7 @@ options=(-G Ninja -DCMAKE_BUILD_TYPE=Release)
 command -v ccache >/dev/null && options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 if [ "$how" = package ]; then
   cmake --install "$build" --prefix "$folder/prefix" >"$folder/install.log"
-  if grep -rlE '#include "(geometry|solver|topo|optimize|io)/' "$folder/prefix/include"; then
+  if grep -rlE '#include "(base|geometry|solver|topo|optimize|io)/' "$folder/prefix/include"; then
     echo "installed headers include private ones"
     exit 1
   fi

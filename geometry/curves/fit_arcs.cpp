@@ -1,8 +1,8 @@
 #include "geometry/arc_chain.hpp"
 
+#include "base/dense.hpp"
 #include "geometry/plane.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -164,7 +164,7 @@ struct Fit {
       take(value, 1);
     }
     for (Eigen::Index i = 0; i < n; ++i) normal(i, i) += normal(i, i) > 0 ? 1e-9 * normal(i, i) : 1.0;
-    VectorXd step = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    VectorXd step = solve_symmetric(normal, right);
     double turn = 0;
     for (Eigen::Index i = 1; i < n; i += 2) turn = std::max(turn, std::abs(step[i]));
     if (turn > largest_step) step *= largest_step / turn;

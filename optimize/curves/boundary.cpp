@@ -1,9 +1,8 @@
 #include "optimize/curves/boundary.hpp"
 
+#include "base/dense.hpp"
 #include "geometry/plane.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -487,7 +486,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
       if (m.chain[std::size_t(i)] == Index(c)) at.push_back(i);
     const MatrixXd V = m.by(at, mine);
     const VectorXd w = m.weight(at);
-    MatrixXd M = V.transpose() * w.asDiagonal() * V, K = MatrixXd::Zero(M.rows(), M.cols());
+    MatrixXd M = multiply(V.transpose() * w.asDiagonal(), V), K = MatrixXd::Zero(M.rows(), M.cols());
     steady(M, turns, steadier);
     const Eigen::Index rows = V.rows();
     for (Eigen::Index i = 0; i < (d.chains[c].closed ? rows : rows - 1); ++i) {
@@ -496,9 +495,9 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
       K.selfadjointView<Eigen::Lower>().rankUpdate(
           jump, 1 / (m.at[std::size_t(at[std::size_t(i)])] - m.at[std::size_t(at[std::size_t(j)])]).norm());
     }
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(K, M);
-    const MatrixXd MV = M * modes.eigenvectors();
-    guess(mine, mine) += undulation * MV * modes.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * MV.transpose();
+    const auto [values, vectors] = eigenpairs(K, M);
+    const MatrixXd MV = multiply(M, vectors);
+    guess(mine, mine) += multiply_transposed(undulation * MV * values.cwiseMax(0).cwiseSqrt().asDiagonal(), MV);
   }
   return guess;
 }

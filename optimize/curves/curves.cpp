@@ -1,5 +1,6 @@
 #include "optimize/curves.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "optimize/curves/boundary.hpp"
 #include "optimize/curves/curve_mesh.hpp"
@@ -308,7 +309,7 @@ Linearized CurvesRun::linearized(const Point& x) const {
 /// The shape residual and the price of area: the best multipliers of what is active [theory: K.3].
 void CurvesRun::weigh(Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
-  const Eigen::LLT<MatrixXd> M(mass(moves, x.curves));
+  const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
   const Linearized all = linearized(x);
   const Eigen::Index front = first_bound() + x.bound.size();
   std::vector<Eigen::Index> active;
@@ -349,9 +350,9 @@ double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
 void CurvesRun::begin_curvature(const Point& x) {
   const NormalMoves moves = normal_moves(x.curves);
   // Without a price, what the derivative itself is worth.
-  const Eigen::LLT<MatrixXd> M(mass(moves, x.curves));
+  const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
   const VectorXd g = gradient(x);
-  const double rate = std::sqrt(g.dot(M.solve(g)) / moves.length);
+  const double rate = std::sqrt(g.dot(kerf::solve(M, g)) / moves.length);
   B_ = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
   steady(B_, angles_of(x.curves), 1e-9);
   dearest_ = VectorXd::Zero(first_bound() + x.bound.size());
@@ -377,7 +378,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   Linearized all = linearized(x);
   const NormalMoves moves = normal_moves(x.curves);
   const VectorXd g = gradient(x);
-  const Eigen::LLT<MatrixXd> H(B_);
+  const Eigen::LLT<MatrixXd> H = cholesky(B_);
   ChainLimits most;
   for (const double part : share_) {
     most.radius.push_back(part * radius);
@@ -394,7 +395,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   int bends = 0;
   for (int round = 0; round < most_rounds; ++round) {
     LinearRows beyond = too_far(x.curves, moves, s.step, most);
-    const VectorXd there = all.A * s.step;
+    const VectorXd there = multiply(all.A, s.step);
     for (Eigen::Index k = front; k < there.size(); ++k)
       if (!used[std::size_t(k)] && there[k] > all.room[k] + 1e-3 * radius) {
         beyond.add(all.A.row(k), all.room[k]);
@@ -532,7 +533,7 @@ void CurvesRun::come_back(Point& x) const {
     const NormalMoves moves = normal_moves(x.curves);
     MatrixXd stiff = curvature_guess(moves, x.curves, size_);
     steady(stiff, angles_of(x.curves), 1e-9);
-    VectorXd step = quadratic_step(Eigen::LLT<MatrixXd>(stiff), VectorXd::Zero(stiff.rows()), all.A, all.room).step;
+    VectorXd step = quadratic_step(cholesky(stiff), VectorXd::Zero(stiff.rows()), all.A, all.room).step;
     const std::size_t chains = x.curves.chains.size();
     step /= std::max(1.0, overreach(x.curves, moves, step,
                                     {.radius = std::vector<double>(chains, far * size_),

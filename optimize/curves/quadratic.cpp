@@ -1,5 +1,7 @@
 #include "optimize/curves/quadratic.hpp"
 
+#include "base/dense.hpp"
+
 #include <algorithm>
 #include <vector>
 
@@ -26,7 +28,7 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
     passive.push_back(enter);
     in[std::size_t(enter)] = true;
     while (!passive.empty()) {
-      const VectorXd z = MatrixXd(S(passive, passive)).ldlt().solve(VectorXd(r(passive)));
+      const VectorXd z = solve_symmetric(S(passive, passive), r(passive));
       if (z.minCoeff() > 0) {
         m.setZero();
         m(passive) = z;
@@ -49,7 +51,7 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
       if (left.size() == passive.size()) break;
       passive = std::move(left);
     }
-    gain = r - S * m;
+    gain = r - multiply(S, m);
     for (const Eigen::Index i : passive) gain[i] = 0;
   }
   return m;
@@ -58,15 +60,15 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
 }  // namespace
 
 QuadraticStep quadratic_step(const Eigen::LLT<MatrixXd>& H, const VectorXd& g, const MatrixXd& A, const VectorXd& b) {
-  const VectorXd free = -H.solve(g);
+  const VectorXd free = -solve(H, g);
   if (A.rows() == 0) return {free, VectorXd()};
   // Rows of like size, so that one bound softens all.
-  const MatrixXd half = H.matrixL().solve(A.transpose());
+  const MatrixXd half = solve_lower(H, A.transpose());
   const VectorXd size = half.colwise().norm().transpose().cwiseMax(1e-300);
-  MatrixXd S = size.cwiseInverse().asDiagonal() * (half.transpose() * half) * size.cwiseInverse().asDiagonal();
+  MatrixXd S = size.cwiseInverse().asDiagonal() * transposed_multiply(half, half) * size.cwiseInverse().asDiagonal();
   S.diagonal().array() += 1e-9;
-  const VectorXd m = nonnegative(S, (A * free - b).cwiseQuotient(size)).cwiseQuotient(size);
-  return {free - H.solve(A.transpose() * m), m};
+  const VectorXd m = nonnegative(S, (multiply(A, free) - b).cwiseQuotient(size)).cwiseQuotient(size);
+  return {free - solve(H, transposed_multiply(A, m)), m};
 }
 
 }  // namespace kerf

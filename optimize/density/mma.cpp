@@ -1,6 +1,6 @@
 #include "optimize/density/mma.hpp"
 
-#include <Eigen/Cholesky>
+#include "base/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +66,7 @@ Eigen::VectorXd Approximation::solve() const {
       if (std::max(residual.cwiseAbs().maxCoeff(), gap.cwiseAbs().maxCoeff()) < 0.9 * barrier) break;
       Eigen::MatrixXd matrix = bend;
       matrix.diagonal() += force.cwiseQuotient(lambda);
-      const Eigen::VectorXd d = matrix.ldlt().solve(slope + (barrier / lambda.array()).matrix());
+      const Eigen::VectorXd d = solve_symmetric(matrix, slope + (barrier / lambda.array()).matrix());
       const Eigen::VectorXd e =
           (barrier / lambda.array()).matrix() - force - force.cwiseProduct(d).cwiseQuotient(lambda);
       double share = 1;

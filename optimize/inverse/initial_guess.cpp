@@ -1,5 +1,6 @@
 #include "kerf/inverse.hpp"
 
+#include "base/dense.hpp"
 #include "geometry/plane.hpp"
 #include "kerf/element.hpp"
 #include "kerf/map.hpp"
@@ -9,7 +10,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -131,7 +131,7 @@ struct GuessData {
   Eigen::VectorXd whiten(const Eigen::VectorXd& readings) const {
     Eigen::VectorXd out(readings.size());
     const Eigen::Index n = hats->count;
-    for (int d = 0; d < 2; ++d) out.segment(d * n, n) = factor.matrixL().solve(readings.segment(d * n, n));
+    for (int d = 0; d < 2; ++d) out.segment(d * n, n) = solve_lower(factor, readings.segment(d * n, n));
     return out;
   }
   Eigen::VectorXd column(const PointResponse& at, const Variant& v) const {
@@ -155,7 +155,7 @@ GuessData read_data(const Shape& frame, const Support& measured, const Model& m,
       readings.push_back(std::move(term));
     }
   Responses r = responses(m, s, readings);
-  GuessData data{hats, Eigen::LLT<Eigen::MatrixXd>(hats->mass), std::move(readings), std::move(r), {}};
+  GuessData data{hats, cholesky(hats->mass), std::move(readings), std::move(r), {}};
   data.b = data.whiten(-data.responses.value);
   return data;
 }

@@ -1,3 +1,4 @@
+#include "base/dense.hpp"
 #include "kerf/inverse.hpp"
 #include "optimize/inverse/sensors.hpp"
 #include "optimize/parametric/evaluations.hpp"
@@ -5,10 +6,7 @@
 #include "optimize/parametric/start.hpp"
 
 #include <fmt/core.h>
-
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -127,8 +125,8 @@ Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   quotients.col(columns++) = r;
   for (Eigen::Index k = 0; k < columns; ++k)
     if (const double size = quotients.col(k).norm(); size > 0) quotients.col(k) /= size;
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(quotients.leftCols(columns));
-  const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(r.size(), qr.rank());
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr = pivoted_qr(quotients.leftCols(columns));
+  const MatrixXd basis = orthonormal(qr, qr.rank());
   const auto asked = [&](const Model& m) {
     std::vector<Functional> all;
     for (Eigen::Index k = 0; k < basis.cols(); ++k)
@@ -176,7 +174,7 @@ VectorXd Fit::step(const Linearized& l, const VectorXd& x, double damping) const
     }
     VectorXd b = VectorXd::Zero(A.rows());
     b.head(l.p.size()) = -rhs;
-    const VectorXd z = A.colPivHouseholderQr().solve(b);
+    const VectorXd z = solve_least_squares(A, b);
     bool across = false;
     for (Eigen::Index k = 0; k < n; ++k) {
       const Eigen::Index i = free[static_cast<std::size_t>(k)];
@@ -244,7 +242,7 @@ void Fit::describe(const Linearized& l) {
     size[k] = l.G.row(free[static_cast<std::size_t>(k)]).norm();
     J.col(k) = l.G.row(free[static_cast<std::size_t>(k)]).transpose() / size[k];
   }
-  const MatrixXd inverse = (J.transpose() * J).ldlt().solve(MatrixXd::Identity(n, n));
+  const MatrixXd inverse = solve_symmetric(transposed_multiply(J, J), MatrixXd::Identity(n, n));
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)
       out_.covariance(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(k)]) =

@@ -3,13 +3,10 @@
 #include "solver/anisotropic.hpp"
 #include "solver/system.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/recover.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/parallel.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -94,25 +91,25 @@ void open_junction(const std::vector<Index>& copies, const std::vector<Opening>&
     Eigen::MatrixXd within = Eigen::MatrixXd::Identity(n, n);
     if (!fixed.empty()) {
       const Eigen::MatrixXd equal = rows(fixed, Eigen::all);
-      const Eigen::MatrixXd inverse = equal.completeOrthogonalDecomposition().pseudoInverse();
-      x += inverse * (most(fixed) - equal * x);
-      within -= inverse * equal;
+      const Eigen::MatrixXd inverse = pseudo_inverse(equal);
+      x += multiply(inverse, most(fixed) - multiply(equal, x));
+      within -= multiply(inverse, equal);
     }
     if (!free.empty()) {
       const Eigen::MatrixXd seen = rows(free, Eigen::all);
       Eigen::VectorXd closing(seen.rows());
       for (Eigen::Index i = 0; i < seen.rows(); ++i) closing[i] = -seen.row(i).dot(x);
-      const Eigen::MatrixXd open = seen * within;
+      const Eigen::MatrixXd open = multiply(seen, within);
       constexpr double regular = 1e-12;
       const Eigen::MatrixXd gram =
-          open * open.transpose() + regular * Eigen::MatrixXd::Identity(open.rows(), open.rows());
-      x += open.transpose() * solve_unilateral(gram, closing).jump;
+          multiply_transposed(open, open) + regular * Eigen::MatrixXd::Identity(open.rows(), open.rows());
+      x += transposed_multiply(open, solve_unilateral(gram, closing).jump);
     }
     changed = false;
     for (const Index i : free)
       if (rows.row(i).dot(x) > most[i] + rounding) held[i] = changed = true;
   }
-  const Eigen::VectorXd opening = rows * x;
+  const Eigen::VectorXd opening = multiply(rows, x);
   Vec2 mean = Vec2::Zero();
   for (Eigen::Index i = 0; 2 * i < n; ++i) mean += 2 * x.segment<2>(2 * i) / static_cast<double>(n);
   const bool possible = (opening.array() >= -rounding).all() && (opening.array() <= most.array() + rounding).all();
@@ -320,14 +317,14 @@ Points edge_values(const Nodes& nodes, const Points& v, Index e, int side) {
 double correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, const Vec2& n, Index e, Points& v) {
   const int degree = nodes.degree;
   const Eigen::VectorXd values = (edge_values(nodes, v, e, 1) - edge_values(nodes, v, e, 0)).transpose() * n;
-  const Eigen::VectorXd c = bernstein.partialPivLu().solve(values);
+  const Eigen::VectorXd c = solve_lu(bernstein, values);
   const auto inner = c.segment(1, degree - 1);
   const double below = std::max({0.0, -c[0], -c[degree]});
   if ((inner.array() >= 0).all()) return below;
   const double sum = std::max(0.0, inner.sum()), positive = inner.cwiseMax(0).sum();
   Eigen::VectorXd change = Eigen::VectorXd::Zero(degree + 1);
   change.segment(1, degree - 1) = (positive > 0 ? sum / positive : 0) * inner.cwiseMax(0) - inner;
-  change = bernstein * change;
+  change = multiply(bernstein, change);
   for (int i = 1; i < degree; ++i) {
     v.col(nodes.on_edge(e, 0, i)) -= 0.5 * change[i] * n;
     v.col(nodes.on_edge(e, 1, i)) += 0.5 * change[i] * n;
@@ -340,8 +337,8 @@ struct Fit {
   EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
   Eigen::MatrixXd basis = traces(carrier, sample.s);
   Eigen::VectorXd bump = sample.s.cwiseProduct((1 - sample.s.array()).matrix());
-  Eigen::LLT<Eigen::MatrixXd> mass{
-      Eigen::MatrixXd(basis * sample.w.cwiseProduct(bump).asDiagonal() * basis.transpose())};
+  Eigen::LLT<Eigen::MatrixXd> mass =
+      cholesky(multiply_transposed(basis * sample.w.cwiseProduct(bump).asDiagonal(), basis));
 
   struct Result {
     Eigen::RowVectorXd p;
@@ -351,7 +348,7 @@ struct Fit {
     const Eigen::RowVectorXd rest =
         data - (first * (1 - sample.s.array()) + last * sample.s.array()).matrix().transpose();
     const Eigen::VectorXd moment = basis * sample.w.asDiagonal() * rest.transpose();
-    Result r{mass.solve(moment).transpose(), 0};
+    Result r{solve(mass, moment).transpose(), 0};
     const Eigen::RowVectorXd left = rest - (r.p * basis).cwiseProduct(bump.transpose());
     r.square = left.cwiseAbs2().dot(sample.w.transpose());
     return r;

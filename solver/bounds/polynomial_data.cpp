@@ -2,11 +2,10 @@
 
 #include "solver/system.hpp"
 
+#include "base/dense.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +16,7 @@ namespace kerf {
 Eigen::MatrixXd projection(int degree, const TriangleRule& rule) {
   const Eigen::MatrixXd basis = interpolation(degree, rule.x);  // of the Lagrange functions at the points
   const Eigen::MatrixXd weighted = rule.w.asDiagonal() * basis;
-  return Eigen::MatrixXd(basis.transpose() * weighted).partialPivLu().solve(weighted.transpose());
+  return solve_lu(transposed_multiply(basis, weighted), weighted.transpose());
 }
 
 Eigen::MatrixXd traces(const EdgeRule& carrier, const Eigen::VectorXd& s) {
@@ -39,7 +38,7 @@ Forces forces(const Model& m) {
   f.degree = !m.inner->floating.empty() && e.displacement == 0 ? 0 : e.trace + 1;
   const TriangleRule& rule = m.inner->kernel.load;
   const Eigen::MatrixXd project = projection(f.degree, rule), back = interpolation(f.degree, rule.x),
-                        mean = interpolation(e.displacement, rule.x) * projection(e.displacement, rule);
+                        mean = multiply(interpolation(e.displacement, rule.x), projection(e.displacement, rule));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   f.nodal.resize(2 * dim(f.degree), triangles);
   f.couple = Eigen::VectorXd::Zero(triangles);

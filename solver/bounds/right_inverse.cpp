@@ -2,12 +2,8 @@
 
 #include "solver/system.hpp"
 
+#include "base/dense.hpp"
 #include "solver/polynomial.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <cmath>
 #include <map>
@@ -99,13 +95,7 @@ Numbering inner_functions(int n) {
   return numbering;
 }
 
-// x of least norm with A x = B, A possibly without full rank.
-Eigen::MatrixXd least_norm(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(1e-10);
-  decomposition.compute(a);
-  return decomposition.solve(b);
-}
+constexpr double dependent = 1e-10;  // pivots, of the largest
 
 }  // namespace
 
@@ -119,13 +109,13 @@ Points lattice(int n) {
 }
 
 Eigen::MatrixXd interpolation(int n, const Points& at) {
-  return bernstein_values(n, lattice(n)).partialPivLu().solve(bernstein_values(n, at)).transpose();
+  return solve_lu(bernstein_values(n, lattice(n)), bernstein_values(n, at)).transpose();
 }
 
 std::array<Eigen::MatrixXd, 2> differentiation(int n, const Points& at) {
-  const Eigen::PartialPivLU<Eigen::MatrixXd> values(bernstein_values(n, lattice(n)));
+  const Eigen::PartialPivLU<Eigen::MatrixXd> values = lu(bernstein_values(n, lattice(n)));
   const auto slope = rotated_slopes(bernstein_slopes(n, at), reference_jacobian());
-  return {values.solve(slope[0]).transpose(), values.solve(slope[1]).transpose()};
+  return {solve(values, slope[0]).transpose(), solve(values, slope[1]).transpose()};
 }
 
 Mat2 jacobian(const std::array<Vec2, 3>& x) {
@@ -183,16 +173,16 @@ RightInverse right_inverse(int degree, const TriangleRule& split) {
     wanted.middleRows(t * rows, rows) = interpolation(degree, in_third(t, nodes));
   }
   // Least norm in the metric of the gradients.
-  const Eigen::LLT<Eigen::MatrixXd> factor(gram);
+  const Eigen::LLT<Eigen::MatrixXd> factor = cholesky(gram);
   Eigen::MatrixXd scaled(divergence.rows(), divergence.cols());
   for (int axis = 0; axis < 2; ++axis)
     scaled.middleCols(axis * count, count) =
-        factor.matrixL().solve(divergence.middleCols(axis * count, count).transpose()).transpose();
-  const Eigen::MatrixXd solution = least_norm(scaled, wanted);
+        solve_lower(factor, divergence.middleCols(axis * count, count).transpose()).transpose();
+  const Eigen::MatrixXd solution = solve_least_norm(scaled, wanted, dependent);
   RightInverse result{Eigen::MatrixXd(6 * points, rows), Eigen::MatrixXd(12 * points, rows)};
   for (int component = 0; component < 2; ++component) {
-    const Eigen::MatrixXd part = factor.matrixU().solve(solution.middleRows(component * count, count));
-    const Eigen::MatrixXd v = value * part, dx = slope[0] * part, dy = slope[1] * part;
+    const Eigen::MatrixXd part = solve_upper(factor, solution.middleRows(component * count, count));
+    const Eigen::MatrixXd v = multiply(value, part), dx = multiply(slope[0], part), dy = multiply(slope[1], part);
     for (Eigen::Index q = 0; q < 3 * points; ++q) {
       result.value.row(2 * q + component) = v.row(q);
       result.derivative.row(4 * q + 2 * component) = dx.row(q);
@@ -236,14 +226,14 @@ Eigen::MatrixXd normal_free_right_inverse(int n) {
   for (Eigen::Index q = 0; q < rule.w.size(); ++q)
     gram += rule.w[q] * at_rule.middleRows<2>(2 * q).transpose() * at_rule.middleRows<2>(2 * q);
   // An orthonormal basis of their span.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(gram);
-  const Eigen::VectorXd& lambda = spectrum.eigenvalues();
+  const auto& [lambda, vectors] = eigenpairs(gram);
   Eigen::Index redundant = 0;
   while (lambda[redundant] < 1e-10 * lambda[lambda.size() - 1]) ++redundant;
   const Eigen::Index rank = lambda.size() - redundant;
-  const Eigen::MatrixXd basis =
-      spectrum.eigenvectors().rightCols(rank) * lambda.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-  return at_nodes * basis * least_norm(divergence * basis, Eigen::MatrixXd::Identity(rows, rows));
+  const Eigen::MatrixXd basis = vectors.rightCols(rank) * lambda.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd coefficients =
+      solve_least_norm(multiply(divergence, basis), Eigen::MatrixXd::Identity(rows, rows), dependent);
+  return multiply(at_nodes, basis, coefficients);
 }
 
 }  // namespace kerf

@@ -1,11 +1,10 @@
 #include "solver/bounds/ring_loads.hpp"
 
+#include "base/dense.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -42,10 +41,10 @@ class RingSampling {
     const int force = m.element.trace + 1, seen = m.element.displacement;
     project_force_ = projection(force, rule).transpose();
     force_at_ = interpolation(force, rule.x).transpose();
-    mean_at_ = (interpolation(seen, rule.x) * projection(seen, rule)).transpose();
+    mean_at_ = multiply(interpolation(seen, rule.x), projection(seen, rule)).transpose();
     basis_ = monomials(degree, rule.x);
     const Eigen::MatrixXd weighted = basis_ * rule.w.asDiagonal();
-    project_strain_ = Eigen::MatrixXd(weighted * basis_.transpose()).llt().solve(weighted).transpose();
+    project_strain_ = solve_spd(multiply_transposed(weighted, basis_), weighted).transpose();
     exact_ = triangle_rule(degree + stress_degree(m.element));
     for (RingValues& v : at_) v.resize(rule.w.size());
     for (RingValues& v : finer_) v.resize(finer.w.size());
@@ -268,7 +267,7 @@ struct EdgeBalance {
             gram(i, j) += length(m.mesh, d->edge) * rule.w[q] *
                           motions[static_cast<std::size_t>(i)].at(x).dot(motions[static_cast<std::size_t>(j)].at(x));
       }
-    return -gram.llt().solve(net);
+    return -solve_spd(gram, net);
   }
   void add(const Eigen::VectorXd& share, Eigen::VectorXd& F) const {
     static const EdgeRule carrier = gauss(data_carriers);

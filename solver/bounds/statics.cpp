@@ -4,9 +4,8 @@
 #include "solver/system/elementwise.hpp"
 #include "solver/system/penalty.hpp"
 
+#include "base/dense.hpp"
 #include "solver/parallel.hpp"
-
-#include <Eigen/LU>
 
 #include <cmath>
 
@@ -47,34 +46,34 @@ std::vector<std::vector<Index>> edges_in_contact(const Model& m) {
 // moments of the opening against the Bernstein polynomials their multipliers.
 Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
   const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
-  const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = change.inverse();
+  const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = inverse(change);
   const Eigen::VectorXd force = on_rows(m, s.force).tail(contact_rows),
                         jump = on_rows(m, s.skeleton).tail(contact_rows);
   std::vector<std::vector<Index>> blocks = edges_in_contact(m);
   for (auto& rows : blocks)
     for (Index& row : rows) row = m.inner->ordering.row[row] - leading;
   Eigen::MatrixXd S = m.inner->factor->contact_complement();
-  Eigen::VectorXd load = S * (jump + free_jumps) - force;
+  Eigen::VectorXd load = multiply(S, jump + free_jumps) - force;
   std::vector<bool> closed(contact_rows, false);
   for (const auto& rows : blocks) {
-    S(Eigen::all, rows) = (S(Eigen::all, rows) * back).eval();
-    load(rows) = (back.transpose() * load(rows)).eval();
-    const Eigen::VectorXd guess = back.transpose() * force(rows);
+    S(Eigen::all, rows) = multiply(S(Eigen::all, rows), back);
+    load(rows) = transposed_multiply(back, load(rows));
+    const Eigen::VectorXd guess = transposed_multiply(back, force(rows));
     for (std::size_t i = 0; i < rows.size(); ++i) closed[rows[i]] = guess[static_cast<Eigen::Index>(i)] > 0;
   }
-  for (const auto& rows : blocks) S(rows, Eigen::all) = (back.transpose() * S(rows, Eigen::all)).eval();
+  for (const auto& rows : blocks) S(rows, Eigen::all) = transposed_multiply(back, S(rows, Eigen::all));
   // Any forces >= 0 will do: the best ones if the iteration settles.
   Eigen::VectorXd pressure = solve_unilateral(S, load, closed).force.cwiseMax(0);
-  for (const auto& rows : blocks) pressure(rows) = (change.transpose() * pressure(rows)).eval();
+  for (const auto& rows : blocks) pressure(rows) = transposed_multiply(change, pressure(rows));
   return pressure - force;
 }
 
 // The same, per skeleton unknown, without that problem: the pressures there are, as far as they press.
 Eigen::VectorXd pressing_parts(const Model& m, const Field& s) {
-  const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = change.inverse();
+  const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = inverse(change);
   Eigen::VectorXd added = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (const auto& u : edges_in_contact(m))
-    added(u) = change.transpose() * (back.transpose() * s.force(u)).cwiseMax(0) - s.force(u);
+    added(u) = transposed_multiply(change, transposed_multiply(back, s.force(u)).cwiseMax(0)) - s.force(u);
   return added;
 }
 

@@ -5,8 +5,6 @@
 #include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
 
-#include <Eigen/QR>
-
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,7 @@
 #include "solver/contact/contact.hpp"
 
+#include "base/dense.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -92,13 +94,13 @@ Unilateral solve_unilateral(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, 
 OpenRows::OpenRows(const Eigen::MatrixXd& S, std::vector<bool> closed) : closed_(std::move(closed)) {
   for (std::size_t i = 0; i < closed_.size(); ++i)
     if (!closed_[i]) open_.push_back(static_cast<Index>(i));
-  if (!open_.empty()) factor_.emplace(S(open_, open_));
+  if (!open_.empty()) factor_ = cholesky(S(open_, open_));
 }
 
 Eigen::VectorXd OpenRows::jumps(const Eigen::VectorXd& r) const {
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(r.size());
   if (open_.empty()) return jump;
-  const Eigen::VectorXd load = r(open_), value = factor_->solve(load);
+  const Eigen::VectorXd load = r(open_), value = solve(*factor_, load);
   jump(open_) = value;
   return jump;
 }

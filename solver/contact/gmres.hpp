@@ -1,7 +1,7 @@
 #pragma once
 // Small systems that are known by products alone.
 
-#include <Eigen/QR>
+#include "base/dense.hpp"
 
 #include <algorithm>
 
@@ -29,11 +29,11 @@ Eigen::VectorXd gmres(const Product& product, const Eigen::VectorXd& b, double e
     if (hessenberg.col(k).norm() <= nothing) break;  // x - B x is singular to rounding
     const auto h = hessenberg.topLeftCorner(k + 2, k + 1);
     const Eigen::VectorXd target = size * Eigen::VectorXd::Unit(k + 2, 0);
-    weights = h.colPivHouseholderQr().solve(target);
-    if ((h * weights - target).norm() <= enough || rest <= nothing) break;
+    weights = solve_least_squares(h, target);
+    if ((multiply(h, weights) - target).norm() <= enough || rest <= nothing) break;
     basis.col(k + 1) = w / rest;
   }
-  return basis.leftCols(weights.size()) * weights;
+  return multiply(basis.leftCols(weights.size()), weights);
 }
 
 }  // namespace kerf

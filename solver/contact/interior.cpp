@@ -1,5 +1,6 @@
 #include "solver/contact/contact.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/stop.hpp"
 
 #include <algorithm>
@@ -92,7 +93,8 @@ class Interior {
       rest[i] = wa[k] / (row.p - row.low) - row.a - (row.bounded ? wb[k] / (row.high - row.p) - row.b : 0);
       right[i] += row.p + rest[i] / row.ease();
     }
-    Step s{factor.solve(right), Eigen::VectorXd::Zero(r_.size()), std::vector<double>(n, 0), std::vector<double>(n, 0)};
+    Step s{kerf::solve(factor, right), Eigen::VectorXd::Zero(r_.size()), std::vector<double>(n, 0),
+           std::vector<double>(n, 0)};
     for (std::size_t k = 0; k < n; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       const Row& row = rows_[k];
@@ -137,7 +139,7 @@ class Interior {
     Eigen::MatrixXd raised = S_;
     for (std::size_t k = 0; k < rows_.size(); ++k)
       if (!rows_[k].is_free) raised.diagonal()[static_cast<Eigen::Index>(k)] += 1 / rows_[k].ease();
-    const Eigen::LLT<Eigen::MatrixXd> factor(raised);
+    const Eigen::LLT<Eigen::MatrixXd> factor = cholesky(raised);
     if (factor.info() != Eigen::Success) return false;
     const double now = mean_product();
     const Step straight = newton(factor, 0, nullptr);

@@ -1,5 +1,7 @@
 #include "solver/contact/sliding.hpp"
 
+#include "base/dense.hpp"
+
 namespace kerf {
 
 SlidingRows::SlidingRows(const Eigen::MatrixXd& S, const std::vector<Motion>& motion, Sliding sliding)
@@ -14,9 +16,9 @@ SlidingRows::SlidingRows(const Eigen::MatrixXd& S, const std::vector<Motion>& mo
   Eigen::MatrixXd forward = S(moving_, moving_);
   for (const SlidingPoint& p : sliding_.points) forward.row(place[p.tangential]) -= p.share * S(p.normal, moving_);
   if (sliding_.transposed)
-    factor_.compute(forward.transpose());
+    factor_ = lu(forward.transpose());
   else
-    factor_.compute(forward);
+    factor_ = lu(forward);
 }
 
 Eigen::VectorXd SlidingRows::jumps(const Eigen::VectorXd& r, const Eigen::VectorXd* given) const {
@@ -26,7 +28,7 @@ Eigen::VectorXd SlidingRows::jumps(const Eigen::VectorXd& r, const Eigen::Vector
   if (given) load -= S_ * *given;
   if (!sliding_.transposed)
     for (const SlidingPoint& p : sliding_.points) load[p.tangential] -= p.share * load[p.normal];
-  const Eigen::VectorXd wanted = load(moving_), moved = factor_.solve(wanted);
+  const Eigen::VectorXd wanted = load(moving_), moved = kerf::solve(factor_, wanted);
   jump(moving_) += moved;
   if (sliding_.transposed)
     for (const SlidingPoint& p : sliding_.points) jump[p.normal] -= p.share * jump[p.tangential];

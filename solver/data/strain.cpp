@@ -1,9 +1,8 @@
 #include "solver/data.hpp"
 
+#include "base/dense.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 
@@ -98,7 +97,7 @@ StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule&
   data.how.assign(static_cast<std::size_t>(triangles), Resolution::Proved);
   const Eigen::MatrixXd basis = monomials(data.degree, rule.x), weighted = basis * rule.w.asDiagonal();
   const Eigen::MatrixXd project =
-      Eigen::MatrixXd(weighted * basis.transpose()).llt().solve(weighted).transpose();  // values -> coefficients
+      solve_spd(multiply_transposed(weighted, basis), weighted).transpose();  // values -> coefficients
   const Sampling sample(mesh, scene, rule);
   parallel_for(triangles, threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {

@@ -1,9 +1,9 @@
 #include "solver/data.hpp"
 
+#include "base/dense.hpp"
 #include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
 
 #include <cmath>
 #include <limits>
@@ -206,15 +206,15 @@ class TriangleIntegration {
 
   void collect(TriangleValues& result) const {
     const Eigen::MatrixXd basis = monomials(kept_degree, rule_.x);
-    const Eigen::MatrixXd mass = basis * rule_.w.asDiagonal() * basis.transpose();
+    const Eigen::MatrixXd mass = multiply_transposed(basis * rule_.w.asDiagonal(), basis);
     Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(basis.rows(), 2);
     for (const Cell& c : cells_)
       if (c.smooth)
-        moment += c.area * monomials(kept_degree, places(rule_of(c), c.corners)) * rule_of(c).w.asDiagonal() *
-                  c.value.transpose();
-    const Eigen::MatrixXd coefficients = mass.llt().solve(moment);
+        moment += multiply(c.area * monomials(kept_degree, places(rule_of(c), c.corners)) * rule_of(c).w.asDiagonal(),
+                           Eigen::MatrixXd(c.value.transpose()));
+    const Eigen::MatrixXd coefficients = solve_spd(mass, moment);
     result.whole = false;
-    result.at = (basis.transpose() * coefficients).transpose();
+    result.at = transposed_multiply(basis, coefficients).transpose();
     bool open = false;
     for (const Cell& c : cells_) {
       result.error += c.error;
@@ -224,7 +224,7 @@ class TriangleIntegration {
         continue;
       }
       const Points seen =
-          (monomials(kept_degree, places(rule_of(c), c.corners)).transpose() * coefficients).transpose();
+          transposed_multiply(monomials(kept_degree, places(rule_of(c), c.corners)), coefficients).transpose();
       const Points rest = c.value - seen;
       for (int d = 0; d < 2 && c.rim > 0; ++d)
         result.rest += c.rim * std::pow(std::max(std::abs(c.rim_range[d].low - seen.row(d).minCoeff()),
@@ -256,9 +256,9 @@ class TriangleIntegration {
 
 Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, const Points& l) {
   const Eigen::MatrixXd basis = monomials(kept_degree, rule.x), weighted = basis * rule.w.asDiagonal();
-  const Eigen::MatrixXd mass = weighted * basis.transpose();
-  const Eigen::MatrixXd coefficients = mass.llt().solve(weighted * values.at.transpose());
-  return (monomials(kept_degree, l).transpose() * coefficients).transpose();
+  const Eigen::MatrixXd moment = multiply(weighted, Eigen::MatrixXd(values.at.transpose()));
+  const Eigen::MatrixXd coefficients = solve_spd(multiply_transposed(weighted, basis), moment);
+  return transposed_multiply(monomials(kept_degree, l), coefficients).transpose();
 }
 
 const TriangleRule& finer_rule() {

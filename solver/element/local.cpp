@@ -1,12 +1,11 @@
 #include "solver/element/local.hpp"
 #include "solver/element/shared_shape.hpp"
 
+#include "base/dense.hpp"
 #include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -41,13 +40,6 @@ const Operations* operations(const Element& e) {
   }
   if (is_symmetric(e)) return arnold_winther_operations(e.cut);
   return e.bubble < 0 ? afw_operations(e.degree) : bdms_operations(e.degree);
-}
-
-// Orthonormal basis of the vectors that the rows of `conditions` annihilate.
-Eigen::MatrixXd null_space(const Eigen::MatrixXd& conditions) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(conditions.transpose());
-  const Eigen::MatrixXd q = qr.householderQ();
-  return q.rightCols(q.cols() - qr.rank());
 }
 
 Eigen::MatrixXd constant_cut(const Element& e) {
@@ -237,8 +229,7 @@ Points seen_places(const Kernel& k, const Triangle& t) {
   const Points x = rule_points(k.curved, t);
   const Eigen::MatrixXd v = monomials(k.element.displacement, chord_points(k.curved, t)),
                         weighted = v * k.curved.w.asDiagonal();
-  const Eigen::MatrixXd mass = weighted * v.transpose();
-  return mass.llt().solve(weighted * x.transpose()).transpose();
+  return solve_spd(multiply_transposed(weighted, v), multiply(weighted, Eigen::MatrixXd(x.transpose()))).transpose();
 }
 
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force) {

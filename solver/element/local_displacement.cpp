@@ -1,7 +1,6 @@
+#include "base/dense.hpp"
 #include "solver/anisotropic.hpp"
 #include "solver/element/interior_fields.hpp"
-
-#include <Eigen/LU>
 
 namespace kerf {
 
@@ -21,8 +20,7 @@ struct DisplacementTriangle {
     Points nodes(2, N);
     for (int e = 0; e < Middles; ++e) nodes.col(e) = 0.5 * (s.x[(e + 1) % 3] + s.x[(e + 2) % 3]);
     for (int v = 0; v < 3; ++v) nodes.col(Middles + v) = s.x[v];
-    const Eigen::MatrixXd values = monomials(Degree, nodes).transpose();
-    return values.inverse();
+    return inverse(monomials(Degree, nodes).transpose());
   }
 
   // x, y components at the nodes from the components in their frames.
@@ -76,8 +74,8 @@ struct DisplacementTriangle {
   static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                             const Penalty&) {
     const Scaled s = scale(t);
-    const Eigen::MatrixXd nodal = both_components(basis(s)) * turn(t);
-    const Eigen::MatrixXd g = gradient() * nodal;
+    const Eigen::MatrixXd nodal = multiply(both_components(basis(s)), turn(t));
+    const Eigen::MatrixXd g = multiply(gradient(), nodal);
     const Eigen::Matrix4d a = stiffness_of(material);
     Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(P, P);
     for (Eigen::Index q = 0; q < k.rule.w.size(); ++q) {
@@ -89,7 +87,7 @@ struct DisplacementTriangle {
     for (int m = 0; m < P; ++m)
       for (int n = 0; n < P; ++n) K += moment(m, n) * g.middleRows<4>(4 * m).transpose() * a * g.middleRows<4>(4 * n);
     Condensed result{0.5 * (K + K.transpose()), SkeletonVector::Zero(2 * N), {}, 0, 0};
-    if (force.size() > 0) result.F = area(t) * (nodal.transpose() * force);
+    if (force.size() > 0) result.F = area(t) * transposed_multiply(nodal, force);
     return result;
   }
 
@@ -101,8 +99,8 @@ struct DisplacementTriangle {
       *forces = {c.K * m, std::move(c.F)};
     }
     const Scaled s = scale(t);
-    const Eigen::VectorXd u = both_components(basis(s)) * (turn(t) * m);
-    const Eigen::VectorXd g = gradient() * u / s.h;
+    const Eigen::VectorXd u = multiply(both_components(basis(s)), multiply(turn(t), m));
+    const Eigen::VectorXd g = multiply(gradient(), u) / s.h;
     const Eigen::Matrix4d a = stiffness_of(material);
     Eigen::VectorXd all(interior_count(E));
     for (int p = 0; p < P; ++p) {

@@ -3,8 +3,7 @@
 // positive in the traces and negative in v: quasi-definite. Small dense matrices: an element to check others with.
 #include "solver/element/interior_fields.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
+#include "base/dense.hpp"
 
 #include <cmath>
 
@@ -42,7 +41,7 @@ Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matri
 Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material, const ForceMoments& force) {
   const ForceMoments body = force.head(force.size() > 0 ? Base::U : 0);
   Split r{LocalProblem<E>::assemble(k, t, s, material, body), span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
-  if (force.size() > 0) r.edge = r.span.transpose() * edge_load(t, s, force.tail<cubic_trace_count>());
+  if (force.size() > 0) r.edge = transposed_multiply(r.span, edge_load(t, s, force.tail<cubic_trace_count>()));
   // Values at the vertices as (s11, s22, sqrt(2) s12) in the vertex's frame.
   Eigen::MatrixXd values(9, Base::F);
   for (int v = 0; v < 3; ++v) {
@@ -54,11 +53,9 @@ Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material&
     }
     values.middleRows<3>(3 * v) = t.corner[v].transpose() * here;
   }
-  const Eigen::MatrixXd at_vertices = values * r.span;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(at_vertices.transpose());
-  const Eigen::MatrixXd q = qr.householderQ();
-  r.inner = q.rightCols(Base::S - 9);
-  r.outer = at_vertices.transpose() * (at_vertices * at_vertices.transpose()).inverse();
+  const Eigen::MatrixXd at_vertices = multiply(values, r.span);
+  r.inner = null_space(at_vertices);
+  r.outer = transposed_multiply(at_vertices, inverse(multiply_transposed(at_vertices, at_vertices)));
   return r;
 }
 
@@ -70,21 +67,22 @@ struct Blocks {
 
 Blocks blocks(const Split& p) {
   constexpr int Z = Base::S - 9, U = Base::U, M = Base::X, V = 9;
-  const auto& a = p.system;
+  const Eigen::MatrixXd M_full = p.system.M, Bt = p.system.Bt, Ct = p.system.Ct,
+                        inner_M = transposed_multiply(p.inner, M_full);
   Blocks b{Eigen::MatrixXd::Zero(Z + U, Z + U), Eigen::MatrixXd::Zero(Z + U, M + V),
            Eigen::MatrixXd::Zero(M + V, M + V), Eigen::VectorXd::Zero(Z + U), Eigen::VectorXd::Zero(M + V)};
-  b.Y.topLeftCorner(Z, Z) = p.inner.transpose() * a.M * p.inner;
-  b.Y.topRightCorner(Z, U) = p.inner.transpose() * a.Bt;
+  b.Y.topLeftCorner(Z, Z) = multiply(inner_M, p.inner);
+  b.Y.topRightCorner(Z, U) = transposed_multiply(p.inner, Bt);
   b.Y.bottomLeftCorner(U, Z) = b.Y.topRightCorner(Z, U).transpose();
-  b.C.topLeftCorner(Z, M) = -p.inner.transpose() * a.Ct;
-  b.C.topRightCorner(Z, V) = p.inner.transpose() * a.M * p.outer;
-  b.C.bottomRightCorner(U, V) = a.Bt.transpose() * p.outer;
-  b.D.topRightCorner(M, V) = -a.Ct.transpose() * p.outer;
+  b.C.topLeftCorner(Z, M) = -transposed_multiply(p.inner, Ct);
+  b.C.topRightCorner(Z, V) = multiply(inner_M, p.outer);
+  b.C.bottomRightCorner(U, V) = transposed_multiply(Bt, p.outer);
+  b.D.topRightCorner(M, V) = -transposed_multiply(Ct, p.outer);
   b.D.bottomLeftCorner(V, M) = b.D.topRightCorner(M, V).transpose();
-  b.D.bottomRightCorner(V, V) = p.outer.transpose() * a.M * p.outer;
-  b.g.head(Z) = p.inner.transpose() * p.edge;
-  b.g.tail(U) = a.given;
-  b.f.tail(V) = p.outer.transpose() * p.edge;
+  b.D.bottomRightCorner(V, V) = multiply(transposed_multiply(p.outer, M_full), p.outer);
+  b.g.head(Z) = transposed_multiply(p.inner, p.edge);
+  b.g.tail(U) = p.system.given;
+  b.f.tail(V) = transposed_multiply(p.outer, p.edge);
   return b;
 }
 
@@ -100,9 +98,8 @@ struct VertexStressTriangle {
                             const Penalty&) {
     const Scaled s = scale(t);
     const Blocks b = blocks(split(k, t, s, material, force));
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(b.Y);
-    const Eigen::MatrixXd half = lu.solve(b.C);
-    const Eigen::MatrixXd schur = b.C.transpose() * half - b.D;  // minus the Hessian of the stationary value
+    const Eigen::MatrixXd half = solve_lu(b.Y, b.C);
+    const Eigen::MatrixXd schur = transposed_multiply(b.C, half) - b.D;  // minus the Hessian of the stationary value
     const Eigen::VectorXd w = weights(s.h);
     Condensed result{w.asDiagonal() * (0.5 * (schur + schur.transpose())).eval() * w.asDiagonal(),
                      SkeletonVector::Zero(Base::X + 9),
@@ -110,7 +107,7 @@ struct VertexStressTriangle {
                      0,
                      0};
     // y = Y^-1 (g - C x): minus the gradient is schur x - C'Y^-1 g + f.
-    if (force.size() > 0) result.F = s.h * w.cwiseProduct(half.transpose() * b.g - b.f);
+    if (force.size() > 0) result.F = s.h * w.cwiseProduct(transposed_multiply(half, b.g) - b.f);
     return result;
   }
 
@@ -126,10 +123,10 @@ struct VertexStressTriangle {
     const Blocks b = blocks(p);
     Eigen::VectorXd x = m / s.h;
     x.tail(9) = m.tail(9);
-    const Eigen::VectorXd y = Eigen::PartialPivLU<Eigen::MatrixXd>(b.Y).solve(b.g - b.C * x);
+    const Eigen::VectorXd y = solve_lu(b.Y, b.g - multiply(b.C, x));
     constexpr int Z = Base::S - 9;
     Eigen::VectorXd all(interior_count(E));
-    all.head<Base::F>() = p.span * (p.inner * y.head<Z>() + p.outer * x.tail<9>());
+    all.head<Base::F>() = multiply(p.span, multiply(p.inner, y.head(Z)) + multiply(p.outer, x.tail(9)));
     all.segment<Base::U>(Base::F) = s.h * y.tail<Base::U>();
     all.tail(rotation_count(E)) = rotation_of(k, s, material, all);
     return all;

@@ -1,8 +1,7 @@
 // What the mixed elements do in matrices whose sizes are known at run time only.
 #include "solver/element/interior_fields.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include "base/dense.hpp"
 
 #include <cmath>
 
@@ -61,19 +60,17 @@ Eigen::MatrixXd span_of(const Kernel& k, const Scaled& s) {
     for (int j = 0; j < 3; ++j)
       for (int c = 0; c < 4; ++c) conditions(4 * place(2 - j, j) + c, e) = second[j] * n[c / 2] * n[c % 2];
   }
-  const Eigen::MatrixXd inside = k.cut.transpose() * conditions;
-  const Eigen::MatrixXd q = Eigen::HouseholderQR<Eigen::MatrixXd>(inside).householderQ();
-  return k.cut * q.rightCols(stress_dimension(k.element));
+  return multiply(k.cut, orthogonal_complement(transposed_multiply(k.cut, conditions)));
 }
 
 void restrict_to(const Eigen::MatrixXd& n, const Rows<const double>& full, const Rows<double>& cut) {
   const auto map = [](double* a, int rows, int columns) { return Eigen::Map<RowMajor>(a, rows, columns); };
   const int N = cut.functions;
-  map(cut.M, N, N) = n.transpose() * (by_columns(full.M, full.functions, full.functions) * n).eval();
-  map(cut.Bt, N, cut.constraints) = (n.transpose() * by_columns(full.Bt, full.functions, full.constraints)).eval();
-  map(cut.Ct, N, cut.traces) = (n.transpose() * by_columns(full.Ct, full.functions, full.traces)).eval();
-  const Eigen::VectorXd trace = Eigen::Map<const Eigen::VectorXd>(full.trace, full.functions);
-  Eigen::Map<Eigen::VectorXd>(cut.trace, N) = (n.transpose() * trace).eval();
+  map(cut.M, N, N) = transposed_multiply(n, multiply(by_columns(full.M, full.functions, full.functions), n));
+  map(cut.Bt, N, cut.constraints) = transposed_multiply(n, by_columns(full.Bt, full.functions, full.constraints));
+  map(cut.Ct, N, cut.traces) = transposed_multiply(n, by_columns(full.Ct, full.functions, full.traces));
+  const Eigen::Map<const Eigen::VectorXd> trace(full.trace, full.functions);
+  Eigen::Map<Eigen::VectorXd>(cut.trace, N) = transposed_multiply(n, trace);
 }
 
 namespace {
@@ -110,13 +107,14 @@ double mean_rotation(const Kernel& k, const Scaled& s, const Eigen::MatrixXd& gr
                      const Eigen::Ref<const Eigen::VectorXd>& u) {
   const int D = k.element.rotation + 1, n = dim(D) - 1;
   const Eigen::MatrixXd d1 = derivative(D, 0), d2 = derivative(D, 1), product = moments(k, s, D);
-  const Eigen::MatrixXd laplace = (d1.transpose() * product * d1 + d2.transpose() * product * d2);
-  const Eigen::LLT<Eigen::MatrixXd> llt(laplace.bottomRightCorner(n, n));
+  const Eigen::MatrixXd laplace =
+      multiply(transposed_multiply(d1, product), d1) + multiply(transposed_multiply(d2, product), d2);
+  const Eigen::LLT<Eigen::MatrixXd> llt = cholesky(laplace.bottomRightCorner(n, n));
   double left = 0;
   for (int row = 0; row < 2; ++row) {
-    const Eigen::VectorXd right =
-        d1.transpose() * (product * gradient.col(2 * row)) + d2.transpose() * (product * gradient.col(2 * row + 1));
-    const Eigen::VectorXd star = llt.solve(Eigen::VectorXd(right.tail(n)));
+    const Eigen::VectorXd right = transposed_multiply(d1, multiply(product, gradient.col(2 * row))) +
+                                  transposed_multiply(d2, multiply(product, gradient.col(2 * row + 1)));
+    const Eigen::VectorXd star = solve(llt, right.tail(n));
     Eigen::VectorXd rest = -star;
     for (int b = 1; b < u.size() / 2; ++b) rest[b - 1] += u[2 * b + row] / s.h;
     left += row == 0 ? -product.row(2).tail(n).dot(rest) : product.row(1).tail(n).dot(rest);
@@ -131,13 +129,14 @@ Eigen::VectorXd rotation_of(const Kernel& k, const Scaled& s, const Material& ma
   const int N = rotation_count(e);
   const Eigen::MatrixXd moment = moments(k, s, e.rotation), strain = strain_of(material, N, all);
   const Eigen::MatrixXd d1 = derivative(e.rotation, 0), d2 = derivative(e.rotation, 1);
-  const Eigen::VectorXd along1 = d2 * strain.col(0) - d1 * strain.col(1),
-                        along2 = d2 * strain.col(1) - d1 * strain.col(2);
-  const Eigen::MatrixXd stiffness = d1.transpose() * moment * d1 + d2.transpose() * moment * d2;
-  const Eigen::VectorXd load = d1.transpose() * (moment * along1) + d2.transpose() * (moment * along2);
+  const Eigen::VectorXd along1 = multiply(d2, strain.col(0)) - multiply(d1, strain.col(1)),
+                        along2 = multiply(d2, strain.col(1)) - multiply(d1, strain.col(2));
+  const Eigen::MatrixXd stiffness =
+      multiply(transposed_multiply(d1, moment), d1) + multiply(transposed_multiply(d2, moment), d2);
+  const Eigen::VectorXd load =
+      transposed_multiply(d1, multiply(moment, along1)) + transposed_multiply(d2, multiply(moment, along2));
   Eigen::VectorXd r(N);
-  r.tail(N - 1) =
-      Eigen::LLT<Eigen::MatrixXd>(stiffness.bottomRightCorner(N - 1, N - 1)).solve(Eigen::VectorXd(load.tail(N - 1)));
+  r.tail(N - 1) = solve_spd(stiffness.bottomRightCorner(N - 1, N - 1), load.tail(N - 1));
   r[0] = 0;
   Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(dim(e.rotation + 1), 4);
   gradient.topRows(N) << strain.col(0), strain.col(1) + r, strain.col(1) - r, strain.col(2);

@@ -4,12 +4,12 @@
 #include "solver/post/calibrate.hpp"
 #include "solver/system.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <cmath>
 
@@ -38,9 +38,9 @@ struct Derivatives {
 
 Derivatives derivatives(const TriangleRule& rule, int degree) {
   const Eigen::MatrixXd v = monomials(degree, rule.x).transpose();
-  const Eigen::MatrixXd fit = v.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd fit = pseudo_inverse(v);
   Derivatives d;
-  for (int axis = 0; axis < 2; ++axis) d.along[axis] = v * derivative(degree, axis) * fit;
+  for (int axis = 0; axis < 2; ++axis) d.along[axis] = multiply(v, derivative(degree, axis), fit);
   return d;
 }
 

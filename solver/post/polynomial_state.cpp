@@ -1,11 +1,9 @@
 #include "solver/post/polynomial_state.hpp"
 
+#include "base/dense.hpp"
 #include "solver/anisotropic.hpp"
 #include "solver/element/local.hpp"
 #include "solver/recovery.hpp"
-
-#include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -122,7 +120,7 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
     sums.add({normal.data(), static_cast<std::size_t>(normal.size())});
     sums.add({right.data(), static_cast<std::size_t>(right.size())});
   }
-  state.coefficients = normal.completeOrthogonalDecomposition().solve(right);
+  state.coefficients = solve_least_norm(normal, right);
   return state;
 }
 

@@ -1,5 +1,6 @@
 #include "kerf/adjoint.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/recover.hpp"
 #include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
@@ -556,7 +557,7 @@ class Halves {
     for (const Index t : beside_prescribed(m_, moved)) {
       const SkeletonMatrix K = condense(m_.inner->kernel, triangle(m_, t), material_of(m_.mesh, m_.scene, t), {}).K;
       const Seen view = seen(m_.mesh, m_.inner->skeleton, t);
-      const Eigen::MatrixXd force = -(K * prescribed(view));
+      const Eigen::MatrixXd force = -multiply(K, prescribed(view));
       for (int i = 0; i < view.count; ++i)
         for (const Index u : {view.base[i], view.jump[i]})
           if (u != none) add(u, force.row(i), columns);
@@ -618,8 +619,9 @@ std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span
   Eigen::MatrixXd products = HalfSolved(*m.inner->factor).add(columns);
   if (const Eigen::Index held = products.rows() - problems - count; held > 0) {
     const Eigen::MatrixXd forces =
-        products.bottomRightCorner(held, held).llt().solve(Eigen::MatrixXd(products.bottomLeftCorner(held, problems)));
-    products.block(problems, 0, count, problems) -= products.block(problems, problems + count, count, held) * forces;
+        solve_spd(products.bottomRightCorner(held, held), products.bottomLeftCorner(held, problems));
+    products.block(problems, 0, count, problems) -=
+        multiply(products.block(problems, problems + count, count, held), forces);
   }
   for (Eigen::Index i = 0; i < count; ++i) found[i] += products(problems + i, readings[static_cast<std::size_t>(i)].of);
   return found;

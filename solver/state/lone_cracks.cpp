@@ -1,9 +1,8 @@
 #include "solver/lone_cracks.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/state.hpp"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -35,10 +34,10 @@ std::vector<bool> opened(const Eigen::MatrixXd& A, const Eigen::VectorXd& tensio
       if (open[i]) moving.push_back(i);
     Eigen::VectorXd opening = Eigen::VectorXd::Zero(parts);
     if (!moving.empty()) {
-      const Eigen::VectorXd load = tension(moving), moved = A(moving, moving).partialPivLu().solve(load);
+      const Eigen::VectorXd load = tension(moving), moved = solve_lu(A(moving, moving), load);
       opening(moving) = moved;
     }
-    const Eigen::VectorXd pressure = A * opening - tension;
+    const Eigen::VectorXd pressure = multiply(A, opening) - tension;
     std::vector<bool> next(parts);
     for (Index i = 0; i < parts; ++i) next[i] = open[i] ? opening[i] > 0 : pressure[i] < 0;
     if (next == open) break;

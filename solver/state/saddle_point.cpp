@@ -3,6 +3,7 @@
 
 #include "solver/system.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/recover.hpp"
 #include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
@@ -12,7 +13,6 @@
 #include "solver/system/lu.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -62,19 +62,17 @@ Local local(const Model& m, const Layout& layout, Index t) {
   const Eigen::Index edge = layout.edge, stress = a.M.rows(), own = stress - edge, inner = a.Bt.cols(),
                      corners = a.Ct.cols() - edge, size = stress + inner + corners;
   // C' = Q R P': the dual functions are Q R'^-1 P', what is orthogonal to C the rest of Q.
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a.Ct.leftCols(edge));
-  qr.setThreshold(1e-8);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr = pivoted_qr(a.Ct.leftCols(edge), 1e-8);
   if (qr.rank() < edge)
     throw Error(Fault::Numerics,
                 fmt::format("triangle {} is too flat for the saddle-point system (backend \"umfpack\"): its normal "
                             "stress reaches only {} of {} edge moments independently; use the backend \"cholmod\"",
                             t, qr.rank(), edge));
-  const Eigen::MatrixXd q = qr.householderQ();
+  const Eigen::MatrixXd q = full_q(qr);
   const Eigen::MatrixXd permuted = qr.colsPermutation().transpose();
   l.basis.resize(stress, stress);
   l.basis.leftCols(edge) =
-      q.leftCols(edge) *
-      qr.matrixR().topLeftCorner(edge, edge).template triangularView<Eigen::Upper>().transpose().solve(permuted);
+      multiply(q.leftCols(edge), solve_upper_transposed(qr.matrixR().topLeftCorner(edge, edge), permuted));
   l.basis.rightCols(own) = q.rightCols(own);
 
   const Seen view = seen(m.mesh, m.inner->skeleton, t);
@@ -92,13 +90,14 @@ Local local(const Model& m, const Layout& layout, Index t) {
   }
   const double h2 = a.h * a.h;
   l.matrix = Eigen::MatrixXd::Zero(size, size);
-  l.matrix.topLeftCorner(stress, stress) = 2 * m.scene.material.mu * h2 * l.basis.transpose() * a.M * l.basis;
-  l.matrix.block(0, stress, stress, inner) = h2 * l.basis.transpose() * a.Bt;
-  l.matrix.topRightCorner(stress, corners) = -h2 * l.basis.transpose() * a.Ct.rightCols(corners);
+  l.matrix.topLeftCorner(stress, stress) =
+      multiply(2 * m.scene.material.mu * h2 * transposed_multiply(l.basis, a.M), l.basis);
+  l.matrix.block(0, stress, stress, inner) = h2 * transposed_multiply(l.basis, a.Bt);
+  l.matrix.topRightCorner(stress, corners) = -h2 * transposed_multiply(l.basis, a.Ct.rightCols(corners));
   l.matrix.bottomLeftCorner(inner + corners, stress) = l.matrix.topRightCorner(stress, inner + corners).transpose();
   l.load = Eigen::VectorXd::Zero(size);
   l.load.segment(stress, inner) = h2 * a.given;
-  if (a.strain.size() > 0) l.load.head(stress) = 2 * m.scene.material.mu * h2 * l.basis.transpose() * a.strain;
+  if (a.strain.size() > 0) l.load.head(stress) = 2 * m.scene.material.mu * h2 * transposed_multiply(l.basis, a.strain);
   return l;
 }
 

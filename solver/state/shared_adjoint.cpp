@@ -1,10 +1,10 @@
+#include "base/dense.hpp"
 #include "solver/contact/gmres.hpp"
 #include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/shared_body.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -136,7 +136,7 @@ TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ)
   if (!model.inner->floating.empty()) {
     Eigen::VectorXd work = work_on_motions(model, dJ);
     peers.sum({work.data(), static_cast<std::size_t>(work.size())});
-    dJ = without_moments(model, std::move(dJ), gram().llt().solve(work));
+    dJ = without_moments(model, std::move(dJ), solve_spd(gram(), work));
   }
   DualLoads loads = dual_loads(model, dJ);
   Problem problem{.held = tied(status(state)),

@@ -1,5 +1,6 @@
 #include "solver/state/shared_body.hpp"
 
+#include "base/dense.hpp"
 #include "solver/contact/law.hpp"
 #include "solver/factor.hpp"
 #include "solver/state/guess.hpp"
@@ -8,8 +9,6 @@
 #include "solver/system/bddc.hpp"
 #include "solver/system/parted.hpp"
 #include "solver/system/penalty.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -111,7 +110,7 @@ void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
   peers.sum({size.data(), static_cast<std::size_t>(n)});
   constexpr double exact = 1e-12;
   if ((net.cwiseAbs().array() <= exact * size.array()).all()) return;
-  Scene scene = balanced(std::move(model.scene), floating.motions, gram().llt().solve(net));
+  Scene scene = balanced(std::move(model.scene), floating.motions, solve_spd(gram(), net));
   Mesh mesh = std::move(model.mesh);
   model = prepare_part(std::move(mesh), model.element, std::move(scene), model.threads, std::move(own), floating);
 }
@@ -450,8 +449,8 @@ void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solve
     rest -= uniform.size * (rest.sum() / uniform.size.sum());
     scaled += root * root.transpose() / uniform.size.sum();
   }
-  const Eigen::VectorXd delta = by.cwiseProduct(scaled.ldlt().solve(by.cwiseProduct(rest)));
-  add(r.x, 1, uniform.response * delta);
+  const Eigen::VectorXd delta = by.cwiseProduct(solve_symmetric(scaled, by.cwiseProduct(rest)));
+  add(r.x, 1, multiply(uniform.response, delta));
   for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] += penalty_at(model, t) * delta[piece[t]];
   if (uniform.level_open) take_out_level(loads, r);
 }
@@ -511,7 +510,7 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   if (!model.inner->floating.empty()) {
     Eigen::VectorXd moments = floating_moments(model, state);
     peers.sum({moments.data(), static_cast<std::size_t>(moments.size())});
-    remove_motions(model, gram().llt().solve(moments), state);
+    remove_motions(model, solve_spd(gram(), moments), state);
   }
   if (!keep_factor) drop_factor();
   state.seconds.solve = watch.lap();

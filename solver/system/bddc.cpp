@@ -1,5 +1,6 @@
 #include "solver/system/bddc.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/stop.hpp"
 #include "solver/packer.hpp"
 #include "solver/stopwatch.hpp"
@@ -13,9 +14,6 @@
 
 #include <fmt/core.h>
 #include <sys/resource.h>
-
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <array>
@@ -66,7 +64,7 @@ Eigen::LLT<MatrixXd> definite(const MatrixXd& m, const VectorXd& diagonal, doubl
   for (double shift = 0; shift < most; shift = std::max(least, 100 * shift)) {
     MatrixXd shifted = m;
     shifted.diagonal() += shift * diagonal;
-    Eigen::LLT<MatrixXd> llt(std::move(shifted));
+    Eigen::LLT<MatrixXd> llt = cholesky(shifted);
     if (llt.info() == Eigen::Success) return llt;
   }
   throw LostDefiniteness("rounding has eaten the stiffness of what two parts of the body share; refine the mesh there");
@@ -78,12 +76,9 @@ MatrixXd orthonormal(const MatrixXd& columns, const VectorXd& diagonal) {
   const VectorXd size = diagonal.cwiseSqrt();
   const MatrixXd scaled = size.cwiseInverse().asDiagonal() * columns,
                  lengths = scaled.colwise().norm().cwiseInverse().asDiagonal();
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(scaled * lengths);
   constexpr double dependent = 1e-9;
-  qr.setThreshold(dependent);
-  const Eigen::Index rank = qr.rank();
-  const MatrixXd q = qr.householderQ() * MatrixXd::Identity(columns.rows(), rank);
-  return size.asDiagonal() * q;
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr = pivoted_qr(kerf::multiply(scaled, lengths), dependent);
+  return size.asDiagonal() * kerf::orthonormal(qr, qr.rank());
 }
 
 class Bddc : public SharedSolver {
@@ -216,7 +211,7 @@ class Bddc : public SharedSolver {
                             const VectorXd& beyond, double shift) {
     const auto held = [shift](MatrixXd s, const VectorXd& diagonal) -> MatrixXd {
       s.diagonal() += shift * diagonal;
-      return definite(s, diagonal, shift).solve(MatrixXd::Identity(s.rows(), s.cols()));
+      return kerf::solve(definite(s, diagonal, shift), MatrixXd::Identity(s.rows(), s.cols()));
     };
     return soft_forces(free, held(here, d) + held(there, beyond), threshold);
   }
@@ -272,11 +267,11 @@ class Bddc : public SharedSolver {
     }
     const MatrixXd forces = moved_;
     moved_ = S_.solve(std::move(moved_));
-    MatrixXd moments = forces.transpose() * moved_;
+    MatrixXd moments = transposed_multiply(forces, moved_);
     moments = (0.5 * (moments + moments.transpose())).eval();
-    moments_.compute(moments);
-    const MatrixXd basis = moments_.solve(moved_.transpose()).transpose();
-    MatrixXd energies = basis.transpose() * S_.multiply(basis);
+    moments_ = cholesky(moments);
+    const MatrixXd basis = kerf::solve(moments_, moved_.transpose()).transpose();
+    MatrixXd energies = transposed_multiply(basis, S_.multiply(basis));
     energies = (0.5 * (energies + energies.transpose())).eval();
     coarse_ = Coarse(energies, at, total, peers_);
   }
@@ -304,21 +299,22 @@ class Bddc : public SharedSolver {
   /// The sum of D_p' (the least energy under D_p r, moments continuous), D_p = S_p (S_p + S_q)^-1 on each piece.
   VectorXd precondition(const VectorXd& r) {
     VectorXd f = r;
-    on_pieces(
-        f, [&](const Side& s, const Border& piece, const VectorXd& of) { return times_here(piece, s.both.solve(of)); });
+    on_pieces(f, [&](const Side& s, const Border& piece, const VectorXd& of) {
+      return times_here(piece, kerf::solve(s.both, of));
+    });
     VectorXd moments(moved_.cols());
-    if (moments.size() > 0) moments = moved_.transpose() * f;
+    if (moments.size() > 0) moments = transposed_multiply(moved_, f);
     const VectorXd common = coarse_.solve(solved_moments(moments));
     sent_ += static_cast<double>(coarse_.size()) * sizeof(double);
     VectorXd z = S_.solve(f);
-    if (moments.size() > 0) z += moved_ * solved_moments(common - moments);
+    if (moments.size() > 0) z += kerf::multiply(moved_, solved_moments(common - moments));
     on_pieces(z, [&](const Side&, const Border& piece, const VectorXd& of) { return times_here(piece, of); });
     add_sides(z);
-    on_pieces(z, [](const Side& s, const Border&, const VectorXd& of) -> VectorXd { return s.both.solve(of); });
+    on_pieces(z, [](const Side& s, const Border&, const VectorXd& of) -> VectorXd { return kerf::solve(s.both, of); });
     return z;
   }
   VectorXd solved_moments(const VectorXd& m) const {
-    return m.size() > 0 ? VectorXd(moments_.solve(m)) : m;
+    return m.size() > 0 ? kerf::solve(moments_, m) : m;
   }
 
   void tell(const SharedGradients::Solved& solved, double seconds) {

@@ -1,10 +1,7 @@
 #include "solver/system/primal.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/stop.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cstdint>
@@ -33,10 +30,10 @@ Eigen::Index count_above(const VectorXd& values, double threshold) {
 
 /// Less what lies along the columns of q, twice for rounding, then orthonormal.
 MatrixXd next_block(const MatrixXd& q, MatrixXd w) {
-  for (int twice = 0; twice < 2; ++twice) w -= q * (q.transpose() * w).eval();
-  MatrixXd block = Eigen::HouseholderQR<MatrixXd>(w).householderQ() * MatrixXd::Identity(w.rows(), w.cols());
-  for (int twice = 0; twice < 2; ++twice) block -= q * (q.transpose() * block).eval();
-  return Eigen::HouseholderQR<MatrixXd>(block).householderQ() * MatrixXd::Identity(w.rows(), w.cols());
+  for (int twice = 0; twice < 2; ++twice) w -= multiply(q, transposed_multiply(q, w));
+  MatrixXd block = thin_qr(w).Q;
+  for (int twice = 0; twice < 2; ++twice) block -= multiply(q, transposed_multiply(q, block));
+  return thin_qr(block).Q;
 }
 
 }  // namespace
@@ -45,8 +42,8 @@ MatrixXd eigenvectors_above(const MatrixXd& M, double threshold) {
   constexpr Eigen::Index width = 12, small = 10 * width;  // more than motions that are alike
   const Eigen::Index n = M.rows();
   if (n <= small) {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> all(M);
-    return all.eigenvectors().rightCols(count_above(all.eigenvalues(), threshold));
+    const auto [values, vectors] = eigenpairs(M);
+    return vectors.rightCols(count_above(values, threshold));
   }
   constexpr double near = 0.05;  // of an eigenvalue
   MatrixXd q = next_block(MatrixXd::Zero(n, 0), scattered_matrix(n, width)), mq(n, 0);
@@ -56,13 +53,12 @@ MatrixXd eigenvectors_above(const MatrixXd& M, double threshold) {
     const Eigen::Index done = mq.cols();
     mq.conservativeResize(n, q.cols());
     mq.rightCols(q.cols() - done) = M.selfadjointView<Eigen::Lower>() * q.rightCols(q.cols() - done);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(q.transpose() * mq);
-    const Eigen::Index above = count_above(ritz.eigenvalues(), threshold);
-    const auto y = ritz.eigenvectors().rightCols(above);
-    const MatrixXd vectors = q * y, rest = mq * y - vectors * ritz.eigenvalues().tail(above).asDiagonal();
+    const Eigenpairs ritz = eigenpairs(transposed_multiply(q, mq));
+    const Eigen::Index above = count_above(ritz.values, threshold);
+    const auto y = ritz.vectors.rightCols(above);
+    const MatrixXd vectors = multiply(q, y), rest = multiply(mq, y) - vectors * ritz.values.tail(above).asDiagonal();
     const bool settled =
-        above == before &&
-        (rest.colwise().norm().transpose().array() <= near * ritz.eigenvalues().tail(above).array()).all();
+        above == before && (rest.colwise().norm().transpose().array() <= near * ritz.values.tail(above).array()).all();
     if (settled || q.cols() + width > n) return vectors;
     before = above;
     const MatrixXd block = next_block(q, mq.rightCols(width));
@@ -72,7 +68,7 @@ MatrixXd eigenvectors_above(const MatrixXd& M, double threshold) {
 }
 
 MatrixXd soft_forces(const MatrixXd& Z, const MatrixXd& X, double threshold) {
-  const Eigen::LLT<MatrixXd> llt(X);
+  const Eigen::LLT<MatrixXd> llt = cholesky(X);
   if (llt.info() != Eigen::Success) return {X.rows(), 0};
   const auto L = llt.matrixL();
   MatrixXd M = Z.selfadjointView<Eigen::Lower>();
@@ -81,7 +77,7 @@ MatrixXd soft_forces(const MatrixXd& Z, const MatrixXd& X, double threshold) {
   L.solveInPlace(M);
   const MatrixXd y = eigenvectors_above(M, threshold);
   if (y.cols() == 0) return y;
-  return llt.matrixU().solve(y);
+  return solve_upper(llt, y);
 }
 
 }  // namespace kerf

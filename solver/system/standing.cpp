@@ -1,11 +1,10 @@
 #include "solver/system/standing.hpp"
 
+#include "base/dense.hpp"
 #include "geometry/topology.hpp"
 #include "solver/nonnegative.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -49,11 +48,11 @@ constexpr double resists = 1e-9;  // relative singular values below are rounding
 Eigen::MatrixXd unseen_by(const Eigen::MatrixXd& rows) {
   const Eigen::Index n = rows.cols();
   if (rows.rows() == 0) return Eigen::MatrixXd::Identity(n, n);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(rows.transpose() * rows);
-  const double largest = gram.eigenvalues()[n - 1];
+  const auto [values, vectors] = eigenpairs(transposed_multiply(rows, rows));
+  const double largest = values[n - 1];
   Eigen::Index count = 0;
-  while (count < n && !(gram.eigenvalues()[count] > resists * largest)) ++count;
-  return gram.eigenvectors().leftCols(count);
+  while (count < n && !(values[count] > resists * largest)) ++count;
+  return vectors.leftCols(count);
 }
 
 /// Of a combination, what the piece that moves most does.
@@ -127,7 +126,7 @@ Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, 
     double most = 1e-6;  // jumps of motions of unit size
     for (const Index u : faces.sliding)
       if (const double jump = std::abs(all.row(u).dot(left.col(0))); jump > most) most = jump, best = u;
-    if (best == none && (all.bottomRows(s.total - s.base) * left.col(0)).cwiseAbs().maxCoeff() < 1e-6)
+    if (best == none && multiply(all.bottomRows(s.total - s.base), left.col(0)).cwiseAbs().maxCoeff() < 1e-6)
       throw Error(Fault::Numerics,
                   fmt::format("cracks cut the body into {} pieces that contact may hold together, but nothing holds "
                               "the whole against {}; support one of its pieces",
@@ -172,14 +171,14 @@ Eigen::MatrixXd rays(const Numbered& of, const Eigen::MatrixXd& jumps) {
 
 /// What of f no combination of the columns with factors >= 0 balances: f + A q at the best q.
 Eigen::VectorXd unbalanced(const Eigen::MatrixXd& A, const Eigen::VectorXd& f) {
-  return f + A * nonnegative_least_squares(A, -f);
+  return f + multiply(A, nonnegative_least_squares(A, -f));
 }
 
 /// An orthonormal basis of what the columns span.
 Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
   if (columns.cols() == 0) return columns;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  return Eigen::MatrixXd(qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank()));
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr = pivoted_qr(columns);
+  return orthonormal(qr, qr.rank());
 }
 
 }  // namespace
@@ -213,14 +212,14 @@ void hold(const Numbered& of, const LowerTriangle& K, const Eigen::VectorXd& F, 
                 fmt::format("contact does not hold the body: {}, and the loads push it that way; press it onto what "
                             "should hold it, or support it with a [[boundary]]",
                             named(leading(standing, left))));
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots(jumps.transpose());
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots = pivoted_qr(jumps.transpose());
   standing.springs = Eigen::VectorXd::Zero(o.contact_rows);
   for (Eigen::Index i = 0; i < motions; ++i) {
     const Index row = static_cast<Index>(pivots.colsPermutation().indices()[i]);
     standing.springs[row] = K.values[K.start[leading_rows + row]];
   }
-  standing.slides = basis_of(jumps * standing.free);
-  standing.others = basis_of(jumps - standing.slides * (standing.slides.transpose() * jumps));
+  standing.slides = basis_of(multiply(jumps, standing.free));
+  standing.others = basis_of(jumps - multiply(standing.slides, transposed_multiply(standing.slides, jumps)));
   std::vector<Index> named_pieces;
   for (const PieceMotion& m : standing.motions)
     if (std::find(named_pieces.begin(), named_pieces.end(), m.piece) == named_pieces.end())

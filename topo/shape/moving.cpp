@@ -1,11 +1,10 @@
 #include "topo/shape/moving.hpp"
 #include "solver/system.hpp"
 
+#include "base/dense.hpp"
 #include "kerf/recover.hpp"
 #include "solver/polynomial.hpp"
 #include "topo/functional/integrate.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -159,7 +158,7 @@ void MovingDensity::add_recovered(Index t, const Triangle& shape, const Points& 
   const Eigen::MatrixXd at_x = monomials(degree_, (x.colwise() - center) / h);
   for (Eigen::Index q = 0; q < x.cols(); ++q)
     load.rightCols<2>() += (at_x.col(q).tail(n) - mean) * weights.col(q).transpose();
-  const Eigen::MatrixXd c = stiffness.llt().solve(load);  // columns: u* (two), w (two)
+  const Eigen::MatrixXd c = solve_spd(stiffness, load);  // columns: u* (two), w (two)
   for (Eigen::Index q = 0; q < points.cols(); ++q) {
     const double share = size * rule.w[q];
     const Mat2 s = tensor(f.stress.col(q)), d = gradient_of(material, s, f.rotation[q]);

@@ -1,5 +1,6 @@
 #include "topo/validate/ball_problem.hpp"
 
+#include "base/dense.hpp"
 #include "solver/parallel.hpp"
 #include "solver/tangent_cone.hpp"
 #include "topo/validate/ball_fields.hpp"
@@ -65,7 +66,7 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
   for (Eigen::Index i = 0; i < o.contact_rows; ++i) mine.push_back(o.interface_rows + i);
   S = W(mine, mine);
   if (!rest.empty()) {
-    rest_ = Eigen::LLT<Eigen::MatrixXd>(W(rest, rest)).matrixL();
+    rest_ = cholesky(W(rest, rest)).matrixL();
     half_ = W(rest, mine);
     rest_.triangularView<Eigen::Lower>().solveInPlace(half_);
     S.selfadjointView<Eigen::Lower>().rankUpdate(half_.transpose(), -1);
@@ -77,7 +78,7 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
 }
 
 Eigen::VectorXd BodyOperator::others(const Eigen::VectorXd& mine) const {
-  Eigen::VectorXd moved = -half_ * mine;
+  Eigen::VectorXd moved = -multiply(half_, mine);
   if (moved.size() > 0) rest_.triangularView<Eigen::Lower>().transpose().solveInPlace(moved);
   return moved;
 }
@@ -199,8 +200,8 @@ class RadiusProblem {
     if (clamped()) return;
     Eigen::MatrixXd M = Kkk();
     if (of_.inner) M += of_.inner->K;
-    middle_.compute(M);
-    outer_ -= K0k() * middle_.solve(K0k().transpose());
+    middle_ = cholesky(M);
+    outer_ -= multiply(K0k(), kerf::solve(middle_, K0k().transpose()));
   }
 
   // The load on the ball's boundary from what is given on the contour: a clamp its displacement, all others the forces
@@ -208,36 +209,36 @@ class RadiusProblem {
   Eigen::VectorXd load_ball(const BodyOperator& b, const Before& before, BallChange& c) const {
     if (clamped()) {
       c.contour = -before.displacement;
-      return -K0k() * c.contour;
+      return -multiply(K0k(), c.contour);
     }
     c.load = before.pull;
     // A stiff disc must not feel the rounding of its rigid motion.
     if (of_.inner) c.load -= of_.inner->K * strained(*b.model, of_.contour, before.displacement) - of_.inner->load;
-    return -K0k() * middle_.solve(c.load);
+    return -multiply(K0k(), kerf::solve(middle_, c.load));
   }
 
   // The ball's boundary, after the rows in contact.
   void move_ball(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& load, BallChange& c) const {
     const Eigen::Index contact = S.rows() - n_;
-    const Eigen::LLT<Eigen::MatrixXd> of_ball(S.topLeftCorner(n_, n_));
+    const Eigen::LLT<Eigen::MatrixXd> of_ball = cholesky(S.topLeftCorner(n_, n_));
     c.contact.setZero(contact);
     c.push.setZero(contact);
     if (contact == 0) {
-      c.ball = of_ball.solve(load);
+      c.ball = kerf::solve(of_ball, load);
       return;
     }
-    const Eigen::MatrixXd couple = S.topRightCorner(n_, contact), answer = of_ball.solve(couple);
-    Eigen::MatrixXd Sc = S.bottomRightCorner(contact, contact) - couple.transpose() * answer;
+    const Eigen::MatrixXd couple = S.topRightCorner(n_, contact), answer = kerf::solve(of_ball, couple);
+    Eigen::MatrixXd Sc = S.bottomRightCorner(contact, contact) - transposed_multiply(couple, answer);
     Sc = 0.5 * (Sc + Sc.transpose()).eval();
-    settle(b, Sc, -answer.transpose() * load, c);
-    c.ball = of_ball.solve(load - couple * c.contact);
+    settle(b, Sc, -transposed_multiply(answer, load), c);
+    c.ball = kerf::solve(of_ball, load - multiply(couple, c.contact));
   }
 
   void move_contour(BallChange& c) const {
     if (clamped())
       c.load = K0k().transpose() * c.ball + Kkk() * c.contour;
     else
-      c.contour = middle_.solve(c.load - K0k().transpose() * c.ball);
+      c.contour = kerf::solve(middle_, c.load - transposed_multiply(K0k(), c.ball));
   }
 
   // Pi(x + w) - Pi(x) in the changed body, and what the change of the disc is at x itself.

@@ -1,9 +1,9 @@
 #include "topo/validate/verdict.hpp"
 
+#include "base/dense.hpp"
 #include "topo/formulas/kind.hpp"
 
 #include <fmt/core.h>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length)
     if (even) a(k, column) = x * x;
     b[k] = s[static_cast<std::size_t>(k)].quotient;
   }
-  const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
+  const Eigen::VectorXd c = solve_least_squares(a, b);
   if (even) return {c[0], c[1] / per, c[2] / (per * per)};
   // eps^2 ln (eps/length) = eps^2 ln eps - eps^2 ln length
   const double c3 = logarithm ? c[unknowns - 1] / per : 0;
