@@ -1,14 +1,15 @@
 #pragma once
 // A program that runs beside its test, and how a test waits: for a condition, never for a time.
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -28,8 +29,7 @@ bool eventually(Condition&& holds, std::chrono::seconds limit = std::chrono::min
   return true;
 }
 
-/// A program, started in a folder where its words go to the files stdout and stderr. It has a low priority, so that
-/// its test sees what it waits for before the program has gone on.
+/// A program, started in a folder where its words go to the files stdout and stderr.
 class Running {
  public:
   Running(const std::filesystem::path& folder, std::vector<std::string> words) {
@@ -40,9 +40,10 @@ class Running {
     id_ = fork();
     if (id_ < 0) throw std::runtime_error("cannot start a process");
     if (id_ > 0) return;
-    if (chdir(in.c_str()) != 0 || !std::freopen(out.c_str(), "w", stdout) || !std::freopen(error.c_str(), "w", stderr))
+    constexpr int how = O_WRONLY | O_CREAT | O_TRUNC;
+    if (chdir(in.c_str()) != 0 || dup2(open(out.c_str(), how, 0600), 1) < 0 ||
+        dup2(open(error.c_str(), how, 0600), 2) < 0)
       _exit(126);
-    [[maybe_unused]] const int priority = nice(10);
     execv(arguments[0], arguments.data());
     _exit(127);
   }
@@ -61,9 +62,11 @@ class Running {
     if (!ended_) ended_ = waitpid(id_, &status_, WNOHANG) != 0;
     return ended_;
   }
-  /// Whether the condition comes true while it runs.
+  /// Whether the condition comes true while it runs. It gets a low priority, so that its test sees the moment before it
+  /// has passed.
   template <class Condition>
   bool reaches(Condition&& holds) {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(id_), 10);
     return eventually([&] { return holds() || ended(); }) && !ended();
   }
   void signal(int number) {
