@@ -85,6 +85,7 @@ class Cli : public kerf::test::InFolder {
   Outcome stopped(std::vector<std::string> words, int signal, Condition&& holds) const {
     words.insert(words.begin(), KERF_PROGRAM);
     kerf::test::Running program(folder, words);
+    program.give_way();
     EXPECT_TRUE(program.reaches(holds));
     program.signal(signal);
     return {program.code(), text("stdout"), text("stderr")};
@@ -368,8 +369,8 @@ TEST_F(Cli, RegionsAreCheckedAndWritten) {
 }
 
 TEST_F(Cli, FirstInterruptStopsCleanly) {
-  // A minute of work: the signal comes when its log shows that the first phase has begun.
-  const Outcome o = stopped({"solve", "a.toml", "--set", "mesh.size=0.002"}, SIGINT,
+  // Seconds of work: the signal comes when its log shows that the first phase has begun.
+  const Outcome o = stopped({"solve", "a.toml", "--set", "mesh.size=0.006"}, SIGINT,
                             [this] { return text("stderr").find("mesh") != std::string::npos; });
   EXPECT_EQ(o.code, 4) << o.error;
   EXPECT_NE(o.error.find("kerf: stopped"), std::string::npos) << o.error;
@@ -435,8 +436,8 @@ TEST_F(Cli, SaysBeforehandWhatARunTakesAndRefusesWhatIsTooMuch) {
   const Outcome told = kerf(run + "--dry-run");
   EXPECT_EQ(told.code, 0) << told.error;
   EXPECT_FALSE(fs::exists(folder / "r"));
-  // Not so short that a busy machine needs it to read the case.
-  for (const std::string limit : {"--max-memory 20MB", "--set mesh.size=0.006 --max-seconds 0.3"}) {
+  // Not so short that a busy machine needs it to read the case; the run would take a minute.
+  for (const std::string limit : {"--max-memory 20MB", "--set mesh.size=0.002 --max-seconds 5"}) {
     const Outcome o = kerf(run + limit + " --log-level off");
     EXPECT_EQ(o.code, 4) << o.error;
     EXPECT_NE(o.error.find("allowed: "), std::string::npos) << o.error;

@@ -122,6 +122,7 @@ class Optimize : public kerf::test::InFolder {
   int interrupt(std::vector<std::string> arguments, const fs::path& at, int signal) const {
     arguments.insert(arguments.begin(), KERF_PROGRAM);
     kerf::test::Running program(folder, arguments);
+    program.give_way();
     program.reaches([&] { return fs::exists(at); });
     program.signal(signal);
     return program.code();

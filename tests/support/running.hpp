@@ -62,11 +62,13 @@ class Running {
     if (!ended_) ended_ = waitpid(id_, &status_, WNOHANG) != 0;
     return ended_;
   }
-  /// Whether the condition comes true while it runs. It gets a low priority, so that its test sees the moment before it
-  /// has passed.
+  /// A low priority, so that its test sees a short moment before it has passed.
+  void give_way() {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(id_), 5);
+  }
+  /// Whether the condition comes true while it runs.
   template <class Condition>
   bool reaches(Condition&& holds) {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(id_), 10);
     return eventually([&] { return holds() || ended(); }) && !ended();
   }
   void signal(int number) {
