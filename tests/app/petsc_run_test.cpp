@@ -782,7 +782,7 @@ path = [[0.1, 0.3], [0.9, 0.62]]
   std::vector<pid_t> started;
 };
 
-// Contact on many unknowns takes a solve for each of them: the third process is killed among these.
+// Contact on many unknowns takes a solve for each of them: the third process is killed before they are all made.
 TEST_F(DisturbedRun, AKilledProcessEndsTheRunAndLeavesWhatIsWritten) {
   start("results");
   if (HasFatalFailure()) return;

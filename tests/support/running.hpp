@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -40,6 +41,7 @@ class Running {
     id_ = fork();
     if (id_ < 0) throw std::runtime_error("cannot start a process");
     if (id_ > 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing behind
     constexpr int how = O_WRONLY | O_CREAT | O_TRUNC;
     if (chdir(in.c_str()) != 0 || dup2(open(out.c_str(), how, 0600), 1) < 0 ||
         dup2(open(error.c_str(), how, 0600), 2) < 0)
