@@ -34,30 +34,17 @@ CPP
 sed -i 's|^    if (kind == "volume") .*|&\n    if (kind == "deflection") return {deflection()};|' io/case/functional_sections.cpp
 sed -i 's|std::array<View, 13> functional_kinds{|std::array<View, 14> functional_kinds{"deflection", |' io/case/keys.cpp
 
-python3 - "$source" "$build" "$folder" <<'PYTHON'
-import json
-import subprocess
+PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$source/tests python3 - "$source" "$build" "$folder" <<'PYTHON'
 import sys
 
+from compile_changed import Sources
+
 source, build, folder = sys.argv[1:]
-commands = {entry["file"]: entry for entry in json.load(open(build + "/compile_commands.json"))}
-changed = ["io/case/functional_sections.cpp", "io/case/keys.cpp", "topo/functional/deflection.cpp"]
-objects = []
-for path in changed:
-    like = source + "/" + (path if source + "/" + path in commands else "topo/functional/functionals.cpp")
-    target = f"{folder}/{path.replace('/', '_')}.o"
-    words = commands[like]["command"].split()
-    words[words.index("-o") + 1] = target
-    # The copy first: headers that no step touches are found in the sources.
-    words = [f"{folder}/copy/{path}" if word == like else word for word in words]
-    first = next(i for i, word in enumerate(words) if word.startswith("-I"))
-    words[first:first] = [f"-I{folder}/copy/include", f"-I{folder}/copy"]
-    subprocess.run(" ".join(words), shell=True, check=True, cwd=build)
-    objects.append(target)
-link = subprocess.run(["ninja", "-C", build, "-t", "commands", "kerf"], check=True, capture_output=True, text=True)
-command = link.stdout.strip().splitlines()[-1]
-command = command.replace(" -o kerf ", f" {' '.join(objects)} -o {folder}/kerf ")
-subprocess.run(command, shell=True, check=True, cwd=build)
+sources = Sources(source, build)
+deflection = "topo/functional/deflection.cpp"
+objects = sources.compile(f"{folder}/copy", ["io/case/functional_sections.cpp", "io/case/keys.cpp", deflection],
+                          {deflection: "topo/functional/functionals.cpp"}, folder)
+sources.run(sources.link_command("kerf").replace(" -o kerf ", f" {' '.join(objects)} -o {folder}/kerf "))
 PYTHON
 
 # 3. Adjoint, map and validation follow from the density.
