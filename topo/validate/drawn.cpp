@@ -57,7 +57,7 @@ class Drawer {
     for (std::size_t i = 0; i < changes_.size(); ++i) {
       sites.push_back(around(changes_[i]));
       sites.back().number = i;
-      sites.back().radii = {changes_[i].radius};
+      sites.back().radii.assign(1, changes_[i].radius);
     }
     for (const std::vector<Site>& batch : in_batches(sites, together)) draw_batch(batch, found);
     return found;
