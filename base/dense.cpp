@@ -59,6 +59,10 @@ VectorXd solve(const Eigen::LLT<MatrixXd>& a, const ConstVector& b) {
   return a.solve(b);
 }
 
+MatrixXd solve_from_right(const ConstMatrix& b, const Eigen::LLT<MatrixXd>& a) {
+  return a.solve(b.transpose()).transpose();
+}
+
 MatrixXd solve_lower(const Eigen::LLT<MatrixXd>& a, const ConstMatrix& b) {
   return a.matrixL().solve(b);
 }
@@ -69,6 +73,10 @@ VectorXd solve_lower(const Eigen::LLT<MatrixXd>& a, const ConstVector& b) {
 
 MatrixXd solve_upper(const Eigen::LLT<MatrixXd>& a, const ConstMatrix& b) {
   return a.matrixU().solve(b);
+}
+
+MatrixXd solve_upper_from_right(const ConstMatrix& b, const Eigen::LLT<MatrixXd>& a) {
+  return a.matrixL().solve(b.transpose()).transpose();
 }
 
 MatrixXd solve_spd(const ConstMatrix& a, const ConstMatrix& b) {

@@ -59,10 +59,13 @@ Eigen::MatrixXd inverse(const ConstMatrix& a);
 Eigen::LLT<Eigen::MatrixXd> cholesky(const ConstMatrix& a);
 Eigen::MatrixXd solve(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstMatrix& b);
 Eigen::VectorXd solve(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstVector& b);
-/// L^-1 b, and L^-T b.
+/// b a^-1.
+Eigen::MatrixXd solve_from_right(const ConstMatrix& b, const Eigen::LLT<Eigen::MatrixXd>& a);
+/// L^-1 b, L^-T b, and b L^-T.
 Eigen::MatrixXd solve_lower(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstMatrix& b);
 Eigen::VectorXd solve_lower(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstVector& b);
 Eigen::MatrixXd solve_upper(const Eigen::LLT<Eigen::MatrixXd>& a, const ConstMatrix& b);
+Eigen::MatrixXd solve_upper_from_right(const ConstMatrix& b, const Eigen::LLT<Eigen::MatrixXd>& a);
 /// a^-1 b by Cholesky factors; numbers without meaning if a is not definite.
 Eigen::MatrixXd solve_spd(const ConstMatrix& a, const ConstMatrix& b);
 Eigen::VectorXd solve_spd(const ConstMatrix& a, const ConstVector& b);

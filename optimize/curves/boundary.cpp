@@ -486,7 +486,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
       if (m.chain[std::size_t(i)] == Index(c)) at.push_back(i);
     const MatrixXd V = m.by(at, mine);
     const VectorXd w = m.weight(at);
-    MatrixXd M = multiply(V.transpose() * w.asDiagonal(), V), K = MatrixXd::Zero(M.rows(), M.cols());
+    MatrixXd M = transposed_multiply(w.asDiagonal() * V, V), K = MatrixXd::Zero(M.rows(), M.cols());
     steady(M, turns, steadier);
     const Eigen::Index rows = V.rows();
     for (Eigen::Index i = 0; i < (d.chains[c].closed ? rows : rows - 1); ++i) {

@@ -176,8 +176,7 @@ RightInverse right_inverse(int degree, const TriangleRule& split) {
   const Eigen::LLT<Eigen::MatrixXd> factor = cholesky(gram);
   Eigen::MatrixXd scaled(divergence.rows(), divergence.cols());
   for (int axis = 0; axis < 2; ++axis)
-    scaled.middleCols(axis * count, count) =
-        solve_lower(factor, divergence.middleCols(axis * count, count).transpose()).transpose();
+    scaled.middleCols(axis * count, count) = solve_upper_from_right(divergence.middleCols(axis * count, count), factor);
   const Eigen::MatrixXd solution = solve_least_norm(scaled, wanted, dependent);
   RightInverse result{Eigen::MatrixXd(6 * points, rows), Eigen::MatrixXd(12 * points, rows)};
   for (int component = 0; component < 2; ++component) {

@@ -5,13 +5,13 @@
 namespace kerf {
 
 namespace {
-constexpr Element fourth = afw(4);
-constexpr Operations run = mixed_operations<fourth>();
+constexpr Element afw_4 = afw(4);
+constexpr Operations afw_4_run = mixed_operations<afw_4>();
 }  // namespace
 
 const Operations* fourth_afw_operations();
 const Operations* fourth_afw_operations() {
-  return &run;
+  return &afw_4_run;
 }
 
 }  // namespace kerf

@@ -5,13 +5,13 @@
 namespace kerf {
 
 namespace {
-constexpr Element fourth = bdms(4);
-constexpr Operations run = mixed_operations<fourth>();
+constexpr Element bdms_4 = bdms(4);
+constexpr Operations bdms_4_run = mixed_operations<bdms_4>();
 }  // namespace
 
 const Operations* fourth_bdms_operations();
 const Operations* fourth_bdms_operations() {
-  return &run;
+  return &bdms_4_run;
 }
 
 }  // namespace kerf

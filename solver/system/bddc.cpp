@@ -270,7 +270,7 @@ class Bddc : public SharedSolver {
     MatrixXd moments = transposed_multiply(forces, moved_);
     moments = (0.5 * (moments + moments.transpose())).eval();
     moments_ = cholesky(moments);
-    const MatrixXd basis = kerf::solve(moments_, moved_.transpose()).transpose();
+    const MatrixXd basis = solve_from_right(moved_, moments_);
     MatrixXd energies = transposed_multiply(basis, S_.multiply(basis));
     energies = (0.5 * (energies + energies.transpose())).eval();
     coarse_ = Coarse(energies, at, total, peers_);

@@ -201,7 +201,7 @@ class RadiusProblem {
     Eigen::MatrixXd M = Kkk();
     if (of_.inner) M += of_.inner->K;
     middle_ = cholesky(M);
-    outer_ -= multiply(K0k(), kerf::solve(middle_, K0k().transpose()));
+    outer_ -= multiply_transposed(K0k(), solve_from_right(K0k(), middle_));
   }
 
   // The load on the ball's boundary from what is given on the contour: a clamp its displacement, all others the forces
