@@ -2,8 +2,8 @@
 
 namespace kerf {
 
-// g++ 13 and newer give templates over these constants external linkage, under the names that they have here: the names of
-// two files must differ, or one element gets the code of the other.
+// g++ 13 and newer give templates over these constants external linkage, under the names that they have here: the names
+// of two files must differ, or one element gets the code of the other.
 namespace {
 constexpr Element afw_1 = afw(1), afw_2 = afw(2), afw_3 = afw(3);
 constexpr std::array<Operations, 3> afw_run{mixed_operations<afw_1>(), mixed_operations<afw_2>(),

@@ -2,8 +2,8 @@
 
 namespace kerf {
 
-// g++ 13 and newer give templates over these constants external linkage, under the names that they have here: the names of
-// two files must differ, or one element gets the code of the other.
+// g++ 13 and newer give templates over these constants external linkage, under the names that they have here: the names
+// of two files must differ, or one element gets the code of the other.
 namespace {
 constexpr Element bdms_1 = bdms(1), bdms_2 = bdms(2), bdms_3 = bdms(3);
 constexpr std::array<Operations, 3> bdms_run{mixed_operations<bdms_1>(), mixed_operations<bdms_2>(),
