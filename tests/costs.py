@@ -2,8 +2,8 @@
 """Which tests are quick, by what ctest measured (BUILD/Testing/Temporary/CTestCostData.txt).
 
 costs.py record BUILD   writes the measured part of tests/slow_tests.txt anew: every test that takes more than 0.6 seconds,
-                        so that processors of two thirds of the speed find none to take more than one
-costs.py check BUILD    fails where a quick test takes more than a second, or a line of tests/slow_tests.txt or of the tables
+                        so that slower processors find none to take too long
+costs.py check BUILD    fails where a quick test takes more than 1.5 seconds (a second where it was recorded), or a line of tests/slow_tests.txt or of the tables
                         of tests/README.md names none
 
 Either runs what took longer by the clock again, alone, and takes the least processor time of three runs: a busy machine
@@ -17,7 +17,7 @@ import resource
 import subprocess
 import sys
 
-limit, recorded = 1.0, 0.6  # seconds
+limit, recorded = 1.5, 0.6  # seconds
 lanes = os.path.join(os.path.dirname(os.path.abspath(__file__)), "slow_tests.txt")
 measured = "# Measured: written by tests/costs.py record.\n"
 
