@@ -15,10 +15,6 @@ VectorXd multiply(const ConstMatrix& a, const ConstVector& x) {
   return a * x;
 }
 
-Eigen::Matrix2Xd multiply(const ConstPoints& a, const ConstMatrix& b) {
-  return a * b;
-}
-
 MatrixXd multiply(const ConstMatrix& a, const ConstMatrix& b, const ConstMatrix& c) {
   return multiply(multiply(a, b), c);
 }
@@ -33,14 +29,6 @@ VectorXd transposed_multiply(const ConstMatrix& a, const ConstVector& x) {
 
 MatrixXd multiply_transposed(const ConstMatrix& a, const ConstMatrix& b) {
   return a * b.transpose();
-}
-
-Eigen::Matrix2Xd multiply_transposed(const ConstPoints& a, const ConstMatrix& b) {
-  return a * b.transpose();
-}
-
-void add_product(Eigen::Ref<MatrixXd> c, double factor, const ConstMatrix& a, const ConstMatrix& b) {
-  c.noalias() += factor * a * b;
 }
 
 MatrixXd inverse(const ConstMatrix& a) {
@@ -147,10 +135,6 @@ MatrixXd orthogonal_complement(const ConstMatrix& a) {
 MatrixXd null_space(const ConstMatrix& a) {
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(a.transpose());
   return full_q(qr).rightCols(a.cols() - qr.rank());
-}
-
-MatrixXd solve(const Eigen::ColPivHouseholderQR<MatrixXd>& a, const ConstMatrix& b) {
-  return a.solve(b);
 }
 
 VectorXd solve(const Eigen::ColPivHouseholderQR<MatrixXd>& a, const ConstVector& b) {

@@ -29,17 +29,9 @@ struct ConstVector : Eigen::Ref<const Eigen::VectorXd> {
       ConstVector(const Eigen::DenseBase<Derived>& v)
       : Ref(v) {}
 };
-/// Values at points: two rows, a column per point.
-struct ConstPoints : Eigen::Ref<const Eigen::Matrix2Xd> {
-  template <class Derived>
-  requires(Derived::RowsAtCompileTime == 2 && Derived::ColsAtCompileTime == Eigen::Dynamic)
-      ConstPoints(const Eigen::DenseBase<Derived>& p)
-      : Ref(p) {}
-};
 
 /// a b: m x k times k x n.
 Eigen::MatrixXd multiply(const ConstMatrix& a, const ConstMatrix& b);
-Eigen::Matrix2Xd multiply(const ConstPoints& a, const ConstMatrix& b);
 Eigen::VectorXd multiply(const ConstMatrix& a, const ConstVector& x);
 /// (a b) c.
 Eigen::MatrixXd multiply(const ConstMatrix& a, const ConstMatrix& b, const ConstMatrix& c);
@@ -48,9 +40,6 @@ Eigen::MatrixXd transposed_multiply(const ConstMatrix& a, const ConstMatrix& b);
 Eigen::VectorXd transposed_multiply(const ConstMatrix& a, const ConstVector& x);
 /// a b': m x k times n x k transposed.
 Eigen::MatrixXd multiply_transposed(const ConstMatrix& a, const ConstMatrix& b);
-Eigen::Matrix2Xd multiply_transposed(const ConstPoints& a, const ConstMatrix& b);
-/// c += factor a b. c may be no part of a or b.
-void add_product(Eigen::Ref<Eigen::MatrixXd> c, double factor, const ConstMatrix& a, const ConstMatrix& b);
 
 /// a^-1 of a square matrix by LU with row pivots; infinite or not a number if a is singular.
 Eigen::MatrixXd inverse(const ConstMatrix& a);
@@ -98,7 +87,6 @@ Eigen::MatrixXd solve_upper_transposed(const ConstMatrix& r, const ConstMatrix& 
 Eigen::MatrixXd orthogonal_complement(const ConstMatrix& a);
 Eigen::MatrixXd null_space(const ConstMatrix& a);
 /// x of least |a x - b|; zero where columns depend on others.
-Eigen::MatrixXd solve(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& a, const ConstMatrix& b);
 Eigen::VectorXd solve(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& a, const ConstVector& b);
 Eigen::VectorXd solve_least_squares(const ConstMatrix& a, const ConstVector& b);
 /// Of these the x of least norm, by a complete orthogonal decomposition; `threshold` as of pivoted_qr.
