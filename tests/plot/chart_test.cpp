@@ -6,7 +6,7 @@
 #include "plot/figure/ticks.hpp"
 #include "tests/support/sample.hpp"
 
-#include <cairo/cairo.h>
+#include <cairo.h>
 
 #include <algorithm>
 

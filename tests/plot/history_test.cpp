@@ -9,7 +9,7 @@
 #include "plot/evolution.hpp"
 #include "tests/support/sample.hpp"
 
-#include <cairo/cairo.h>
+#include <cairo.h>
 
 #include <nlohmann/json.hpp>
 

@@ -6,7 +6,7 @@
 #include "plot/figure/colors.hpp"
 #include "tests/support/sample.hpp"
 
-#include <cairo/cairo.h>
+#include <cairo.h>
 
 #include <set>
 
