@@ -9,7 +9,7 @@ find_path(VTKIO_INCLUDE_DIR vtkXMLUnstructuredGridWriter.h HINTS ${KERF_HEADERS_
 string(REGEX MATCH "9\\.[0-9]+$" VTKIO_VERSION "${VTKIO_INCLUDE_DIR}")
 set(VTKIO_LIBRARIES "")
 set(VTKIO_COMPLETE TRUE)
-foreach(name CommonCore CommonDataModel CommonExecutionModel IOXML IOXMLParser)
+foreach(name CommonCore CommonDataModel CommonExecutionModel IOXML IOXMLParser sys)  # sys: which the headers themselves use
   # Without the development package there is no libvtk*.so, only the library itself.
   find_library(VTKIO_${name} NAMES vtk${name}-${VTKIO_VERSION} libvtk${name}-${VTKIO_VERSION}.so.1)
   mark_as_advanced(VTKIO_${name})
