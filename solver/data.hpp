@@ -11,6 +11,8 @@
 
 namespace kerf {
 
+struct Triangle;
+
 /// Proved: by enclosures. Sampled: black boxes, at stratified points. Open: neither settles it.
 enum class Resolution { Proved, Sampled, Open };
 
@@ -50,7 +52,9 @@ struct TriangleValues {
   double error = 0;   // at least the error of the mean of f.w, |w| <= 1
   Resolution how = Resolution::Proved;
 };
-/// Errors far below `size` are left: the largest of f on the body, or 0.
+/// Errors far below `size` are left: the largest of f on the body, or 0. Curved triangles are sampled.
+TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule, double size = 0,
+                               const char* what = "body force");
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
                                double size = 0, const char* what = "body force");
 /// The first look at a black box, from its values at the points of the rule and of `finer_rule()`, for those who have
@@ -70,7 +74,8 @@ struct LoadedEdges {
 };
 
 /// The eigenstrain e as a polynomial P per triangle, of degree 4 or of its own where that is lower: its projection in
-/// the mean of squares, so that its moments with the stresses of every element are those of e.
+/// the mean of squares, so that its moments with the stresses of every element are those of e. In curved triangles a
+/// polynomial in the coordinates (l1, l2) that their map takes to the place.
 struct StrainData {
   int degree = 0;
   Eigen::MatrixXd coefficients;  // a column per triangle: 11, 22, 12, 33 per monomial of (l1, l2); no columns: none
@@ -83,7 +88,8 @@ struct StrainData {
 };
 /// The eigenstrain that a triangle has, or null.
 const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t);
-StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads);
+StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads,
+                       const Bows& bows = {});
 /// Its values (rows 11, 12, 21, 22) at points (l1, l2) of triangle t.
 Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l);
 /// The same derived by l1 (axis 0) or l2 (axis 1).

@@ -197,23 +197,24 @@ const char* unavailable_on_arcs(const Model& m) {
     if (m.inner->skeleton.bent_at[e] != none && m.mesh.label[e] != none)
       return "no bounds of the energy: a curved side that is held along its normal (mesh.curved)";
   }
+  const StrainData& strain = m.inner->data.strain;
+  for (Index t = 0; strain.degree > 0 && t < static_cast<Index>(strain.coefficients.cols()); ++t)
+    if (!(strain.rest[t] == 0 && strain.coefficients.col(t).isZero(0)) && is_curved(triangle(m, t)))
+      return "no bounds of the energy: an eigenstrain that is not constant in curved triangles (mesh.curved)";
   return nullptr;
 }
 
-/// On triangles with curved edges the stress sees no body force: what balances a body that nothing holds is so small
-/// that all of it may be left out. False: it is not.
-bool leave_out_on_arcs(const Model& m, const Field& s, Forces& f) {
-  if (f.nodal.cols() == 0 || m.mesh.arc.empty()) return true;
-  constexpr double small = 1e-3;  // of the stress
+/// Of a body that nothing holds displacements that are constant see the means of a force alone, which beside curved
+/// edges do only where it is small against the stress: as what balances a load is.
+bool sees_too_little_on_arcs(const Model& m, const Field& s, const Forces& f) {
+  if (m.mesh.arc.empty() || !unseen_couples(f)) return false;
+  constexpr double small = 1e-3;
   const double most = small * mean_stress(m, s);
-  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
-    const Triangle cell = triangle(m, t);
-    if (!is_curved(cell)) continue;
-    const double h = diameter(cell), largest = f.nodal.col(t).cwiseAbs().maxCoeff() * std::sqrt(2);
-    if (h * largest > most) return false;
-    f.left_out[t] = h / pi * std::sqrt(cell_area(m, t)) * largest;
-  }
-  return true;
+  for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
+    if (const Triangle cell = triangle(m, t);
+        is_curved(cell) && diameter(cell) * f.nodal.col(t).cwiseAbs().maxCoeff() > most)
+      return true;
+  return false;
 }
 
 std::string no_energy_bounds_because(const Model& m) {
@@ -431,8 +432,11 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   if (!a.bounds.note.empty()) return a;
   a.data = edge_data(m);
   a.f = forces(m);
-  if (!leave_out_on_arcs(m, s, a.f)) {
-    a.bounds = lost(infinity, "no bounds of the energy: a body force in curved triangles (mesh.curved)");
+  if (sees_too_little_on_arcs(m, s, a.f)) {
+    a.bounds =
+        lost(infinity,
+             "no bounds of the energy: nothing holds the body, and degree 1 sees too little of its body force in "
+             "curved triangles");
     return a;
   }
   Eigen::VectorXd moved;

@@ -119,7 +119,7 @@ CurvedReference curved_reference(int n, int k) {
 // s = S D'/J + curl beta with beta = D B/J, div B = J times the asymmetry: curl of what vanishes on the edges has
 // neither divergence nor normal trace there.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                              const Eigen::Matrix4Xd& stress, Share& share, bool keep) {
+                              const Eigen::Matrix4Xd& stress, const Mat2& free, Share& share, bool keep) {
   const Eigen::Matrix4Xd at_nodes = stress * r.at_nodes.transpose(), at_rule = stress * r.at_rule.transpose();
   Eigen::VectorXd asymmetry(r.nodes.cols());
   for (Eigen::Index q = 0; q < asymmetry.size(); ++q) {
@@ -143,20 +143,21 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
       share.kept_stress.col(q) << s(0, 0), s(0, 1), s(1, 0), s(1, 1);
       share.kept_weight.col(q) << area(cell) * p.J * r.rule.w[q], area(cell) * p.J * r.coarse[q];
     }
-    const double work = p.J * stress_work(material, s);
+    const double work = p.J * (stress_work(material, s) + 2 * free.cwiseProduct(s).sum());
     energy += r.rule.w[q] * work;
     other += r.coarse[q] * work;
   }
   energy *= 0.5 * area(cell);
   other *= 0.5 * area(cell);
   share.lower -= energy;
-  share.size += energy;
+  share.size += std::abs(energy);
   share.below += doubt_of_rules * std::abs(energy - other);
   share.rules += doubt_of_rules * std::abs(energy - other);
 }
 
-double elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share, bool keep) {
+void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
+                        const Eigen::Matrix4Xd& stress, const Mat2& free, const Points& load, const Points& v,
+                        Share& share, bool keep) {
   const Mat2 inverse = jacobian(cell.x).inverse();
   const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
   const auto slopes = [&](const std::array<Eigen::MatrixXd, 2>& by, Eigen::Index q) -> Mat2 {
@@ -168,12 +169,14 @@ double elastic_energy(const CurvedReference& r, const Triangle& cell, const Mate
   Eigen::VectorXd wanted(r.nodes.cols());
   for (Eigen::Index q = 0; q < wanted.size(); ++q) {
     const CellMap map = cell_map(cell, r.nodes.col(q));
-    wanted[q] =
-        strain_trace(material, piola(at_nodes.col(q), map.D)) - map.J * (slopes(r.slope, q) * map.D.inverse()).trace();
+    wanted[q] = strain_trace(material, piola(at_nodes.col(q), map.D)) +
+                map.J * (free - slopes(r.slope, q) * map.D.inverse()).trace();
   }
   const Corrected by(r, cell, wanted);
-  // J(v + alpha w) = e + alpha b + alpha^2 a, by both rules; the least one.
-  std::array<double, 2> e{}, b{}, a{};
+  // J(v + alpha w) = e + alpha b + alpha^2 a, by both rules; the least one, less the work of the load.
+  std::array<double, 2> e{}, b{}, a{}, work{}, added_work{};
+  const Points value = v * r.value_at_rule.transpose();
+  Points added_value(2, r.rule.w.size());
   double worst = 0;
   Eigen::Matrix4Xd added_strain;
   if (keep) {
@@ -182,7 +185,8 @@ double elastic_energy(const CurvedReference& r, const Triangle& cell, const Mate
   }
   for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
     const Place p(cell, r.rule.x.col(q));
-    const Mat2 g = slopes(r.slope_at_rule, q) * p.inverse, h = p.gradient(by.at(q), by.slope(q));
+    const Mat2 g = slopes(r.slope_at_rule, q) * p.inverse - free, h = p.gradient(by.at(q), by.slope(q));
+    added_value.col(q) = p.D * by.at(q) / p.J;
     const double own = strain_work(material, C, g, g), mixed = strain_work(material, C, g, h),
                  added = strain_work(material, C, h, h);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -190,6 +194,9 @@ double elastic_energy(const CurvedReference& r, const Triangle& cell, const Mate
       e[i] += 0.5 * w * own;
       b[i] += w * mixed;
       a[i] += 0.5 * w * added;
+      if (load.cols() == 0) continue;
+      work[i] += w / p.J * load.col(q).dot(value.col(q));
+      added_work[i] += w / p.J * load.col(q).dot(added_value.col(q));
     }
     if (keep) {
       share.kept_strain.col(q) << g(0, 0), g(0, 1), g(1, 0), g(1, 1);
@@ -198,16 +205,21 @@ double elastic_energy(const CurvedReference& r, const Triangle& cell, const Mate
     worst = std::max(worst, std::abs(g.trace() + h.trace()));
     share.gradient = std::max(share.gradient, g.cwiseAbs().maxCoeff());
   }
-  const double alpha = material.c == 0 ? 1 : a[0] > 0 ? -b[0] / (2 * a[0]) : 0;
-  const double energy = e[0] + alpha * (b[0] + alpha * a[0]), other = e[1] + alpha * (b[1] + alpha * a[1]);
+  const double alpha = material.c == 0 ? 1 : a[0] > 0 ? -(b[0] - added_work[0]) / (2 * a[0]) : 0;
+  const auto less_work = [&](std::size_t i) {
+    return e[i] + alpha * (b[i] + alpha * a[i]) - work[i] - alpha * added_work[i];
+  };
+  const double energy = less_work(0), other = less_work(1);
   share.divergence = material.c == 0 ? worst : 0;
   share.above += doubt_of_rules * std::abs(energy - other);
   share.rules += doubt_of_rules * std::abs(energy - other);
   if (keep) {
     share.kept_strain += alpha * added_strain;
-    share.kept_displacement = v * r.value_at_rule.transpose();
+    share.kept_displacement = value + alpha * added_value;
   }
-  return energy;
+  share.elastic = e[0] + alpha * (b[0] + alpha * a[0]);
+  share.upper = energy;
+  share.size += share.elastic + std::abs(work[0]);
 }
 
 namespace {

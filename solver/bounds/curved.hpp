@@ -24,13 +24,15 @@ CurvedReference curved_reference(int n, int k);
 /// How many times the difference between the two rules stands for the error of the better one.
 inline constexpr double doubt_of_rules = 2;
 
-/// `stress`: on lattice(n) that of the chords' triangle, in equilibrium with the loads. Adds minus the complementary
-/// energy of a symmetric one.
+/// `stress`: on lattice(n) that of the chords' triangle, in equilibrium with the loads. `free`: the eigenstrain, the
+/// same everywhere. Adds minus the complementary energy of a symmetric one.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                              const Eigen::Matrix4Xd& stress, Share& share, bool keep);
-/// The elastic energy of the displacement v (on lattice(n + 1)) with its divergence moved towards that of `stress`.
-double elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                      const Eigen::Matrix4Xd& stress, const Points& v, Share& share, bool keep);
+                              const Eigen::Matrix4Xd& stress, const Mat2& free, Share& share, bool keep);
+/// The elastic energy of the displacement v (on lattice(n + 1)) with its divergence moved towards that of `stress`,
+/// less the work of `load`: J f at the points of the rule, or no columns. Sets Share::elastic and Share::upper.
+void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
+                        const Eigen::Matrix4Xd& stress, const Mat2& free, const Points& load, const Points& v,
+                        Share& share, bool keep);
 
 /// What the body has beyond the polynomials that its edges are: the area between an arc and its polynomial times the
 /// density of the work of stress and strain there, several times. An estimate.

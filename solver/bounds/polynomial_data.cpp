@@ -49,7 +49,14 @@ Forces forces(const Model& m) {
     for (Index t = begin; t < end; ++t) {
       const Triangle shape = triangle(m, t);
       const Points x = rule_points(rule, shape);
-      const Points value = body_force(m.inner->data, m.scene, t, x);
+      Points value = body_force(m.inner->data, m.scene, t, x);
+      const bool curved = is_curved(shape);
+      Eigen::RowVectorXd turn = Eigen::RowVectorXd::Ones(x.cols());  // half the trace of D
+      for (Eigen::Index q = 0; curved && q < x.cols(); ++q) {
+        const CellMap map = cell_map(shape, rule.x.col(q));
+        value.col(q) *= map.J;
+        turn[q] = 0.5 * map.D.trace();
+      }
       const Points nodal = value * project.transpose(), seen = nodal * back.transpose();
       const Points unseen = seen - value * mean.transpose();  // by the element
       f.nodal.col(t) = Eigen::Map<const Eigen::VectorXd>(nodal.data(), nodal.size());
@@ -61,13 +68,14 @@ Forces forces(const Model& m) {
       f.left_out[t] = diameter(shape) / pi * std::sqrt(square);
       size[t] = value.cwiseAbs().maxCoeff();
       rest[t] = unseen.cwiseAbs().maxCoeff();
-      if (e.displacement == 0)
-        for (Eigen::Index q = 0; q < x.cols(); ++q)
-          f.couple[t] -= rule.w[q] * cross(unseen.col(q), x.col(q) - centroid(shape));
+      if (e.displacement > 0 && !curved) continue;
+      for (Eigen::Index q = 0; q < x.cols(); ++q)
+        f.couple[t] -= rule.w[q] * cross(unseen.col(q), x.col(q) - centroid(shape));
+      f.couple[t] /= turn * rule.w;
     }
   });
   f.balanced = rest.maxCoeff() <= 1e3 * std::numeric_limits<double>::epsilon() * size.maxCoeff();
-  if (f.balanced || e.displacement > 0) f.couple.resize(0);
+  if (f.balanced || (e.displacement > 0 && m.mesh.arc.empty())) f.couple.resize(0);
   return f;
 }
 

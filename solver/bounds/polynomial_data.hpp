@@ -11,13 +11,15 @@ Eigen::MatrixXd projection(int degree, const TriangleRule& rule);
 Eigen::MatrixXd traces(const EdgeRule& carrier, const Eigen::VectorXd& s);
 double diameter(const Triangle& t);
 
-/// Body force as polynomials f_h of degree trace + 1. A body held by nothing is in equilibrium with the forces that the
-/// element sees, which are taken instead where displacements are constant.
+/// Body force as polynomials f_h of degree trace + 1, on curved triangles J f as polynomials in the coordinates that
+/// the map takes to the place. A body held by nothing is in equilibrium with the forces that the element sees, which
+/// are taken instead where displacements are constant.
 struct Forces {
   int degree = 0;
   Eigen::MatrixXd nodal;   // x, y at lattice(degree), a column per triangle; no columns without a body force
   bool balanced = true;    // div s_h = -f already, so that no local correction is needed
   Eigen::VectorXd couple;  // per triangle, the mean asymmetry that its correction has; only with constant displacements
+                           // and on curved triangles
   Eigen::VectorXd left_out;  // per triangle h/pi |f - its polynomial|
   Eigen::VectorXd moved;     // per triangle: at least the error of the integral of f.w, |w| <= 1
 };

@@ -88,7 +88,7 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
 
   add_loads_unseen(r, t, edges, stress);
   if (is_curved(cell)) {
-    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, share, keep);
+    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, constant_strain(t), share, keep);
     return;
   }
 
@@ -160,7 +160,7 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
   }
   if (!correct) return;
   Points wanted = Points::Zero(2, x.cols());
-  if (f.nodal.cols() > 0 && !is_curved(shape)) {
+  if (f.nodal.cols() > 0) {
     const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
     wanted = force * (r.mean_force - r.force).transpose();
   }
@@ -179,6 +179,11 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
 
 Eigen::Matrix4Xd Bounding::eigenstrain(const TriangleReference& r, Index t) const {
   return strain().empty() ? Eigen::Matrix4Xd() : strain_at(strain(), column(t), r.rule.x);
+}
+
+Mat2 Bounding::constant_strain(Index t) const {
+  return strain().empty() ? Mat2(Mat2::Zero())
+                          : Mat2(tensor(strain_at(strain(), column(t), Points::Zero(2, 1)).col(0)));
 }
 
 void Bounding::work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
@@ -224,14 +229,10 @@ double Bounding::work_on_edge(Index i) const {
   return work;
 }
 
-double Bounding::work_of_force(const CurvedReference& r, Index t, const Triangle& cell, const Points& v) const {
-  if (f.nodal.cols() == 0) return 0;
+Points Bounding::load_on(const CurvedReference& r, Index t) const {
+  if (f.nodal.cols() == 0) return Points(2, 0);
   const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
-  const Points at = force * interpolation(f.degree, r.rule.x).transpose(), moved = v * r.value_at_rule.transpose();
-  double work = 0;
-  for (Eigen::Index q = 0; q < r.rule.w.size(); ++q)
-    work += area(cell) * r.rule.w[q] * cell_map(cell, r.rule.x.col(q)).J * at.col(q).dot(moved.col(q));
-  return work;
+  return force * interpolation(f.degree, r.rule.x).transpose();
 }
 
 Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const {
@@ -272,9 +273,7 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
   }
   if (is_curved(cell)) {
     const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
-    share.elastic = elastic_energy(*r.curved, cell, material, stress, v, share, keep);
-    share.upper = share.elastic - work_of_force(*r.curved, t, cell, v);
-    share.size += share.elastic;
+    add_elastic_energy(*r.curved, cell, material, stress, constant_strain(t), load_on(*r.curved, t), v, share, keep);
     for (const Index i : edges) {
       const double work = work_on_edge(i);
       share.upper -= work;

@@ -81,14 +81,16 @@ struct Bounding {
                         Eigen::Matrix4Xd& stress) const;
   /// At the points of the rule; no columns without one.
   Eigen::Matrix4Xd eigenstrain(const TriangleReference& r, Index t) const;
+  /// That of a curved triangle.
+  Mat2 constant_strain(Index t) const;
   /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
   void work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const;
   Tractions tractions(const TriangleReference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const;
   /// Of the loads on an edge with data, at one of its points and in all.
   double work_at(Index i, int g) const;
   double work_on_edge(Index i) const;
-  /// Of the body force in a curved cell.
-  double work_of_force(const CurvedReference& r, Index t, const Triangle& cell, const Points& v) const;
+  /// J times the body force at the points of the rule of a curved cell; no columns without one.
+  Points load_on(const CurvedReference& r, Index t) const;
   /// The trace of A s, in isotropic bodies 2 c tr s, and that of the eigenstrain.
   Eigen::RowVectorXd wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const;
   /// Energy of the conforming displacement with its divergence moved towards that of the stress.

@@ -63,16 +63,6 @@ void add_unseen_gap(const Mesh& mesh, const CrackLaw& law, Index crack, std::vec
   if (left_out > much * much * size) all.push_back(found);
 }
 
-// A body force in a curved triangle, at the points of the rule.
-TriangleValues curved_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule) {
-  TriangleValues v;
-  const Points x = rule_points(rule, cell);
-  v.at.resize(2, x.cols());
-  for (Eigen::Index q = 0; q < x.cols(); ++q) v.at.col(q) = f(x.col(q));
-  v.how = Resolution::Sampled;
-  return v;
-}
-
 }  // namespace
 
 bool is_polynomial(const VectorField& f) {
@@ -180,15 +170,13 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
 
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
   SceneData data = boundary_data(mesh, scene, bows);
-  data.strain = strain_data(mesh, scene, rule, threads);
+  data.strain = strain_data(mesh, scene, rule, threads, bows);
   if (!scene.body || is_polynomial(scene.body)) return data;
   data.body.resize(mesh.triangles.size());
   const double size = size_over(scene.body, mesh);
   parallel_for(static_cast<Index>(data.body.size()), threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
-      const Triangle cell = cell_of(mesh, bows, t);
-      data.body[t] =
-          is_curved(cell) ? curved_values(scene.body, cell, rule) : triangle_values(scene.body, cell.x, rule, size);
+      data.body[t] = triangle_values(scene.body, cell_of(mesh, bows, t), rule, size);
     }
   });
   return data;

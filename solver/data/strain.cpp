@@ -1,6 +1,7 @@
 #include "solver/data.hpp"
 
 #include "base/dense.hpp"
+#include "solver/element/local.hpp"
 #include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
 
@@ -12,13 +13,13 @@ namespace {
 
 constexpr int most = 4;  // degree: that of the stresses that the elements have at most
 
-int degree_of(const Scene& scene) {
+int degree_of(const Scene& scene, bool curved) {
   int degree = 0;
   for (const Eigenstrain& e : scene.eigenstrain)
     if (e)
       for (const VectorField* f : {&e.normal, &e.shear})
         degree = std::max(degree, is_polynomial(*f) ? f->known()->degree() : most);
-  return std::min(degree, most);
+  return degree > 0 && curved ? most : std::min(degree, most);
 }
 
 // Values at the points of a rule, and what is known of what they leave out.
@@ -30,31 +31,28 @@ struct Sampled {
 
 class Sampling {
  public:
-  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule) : mesh_(mesh), rule_(rule) {
+  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, const Bows& bows)
+      : mesh_(mesh), rule_(rule), bows_(bows) {
     for (const Eigenstrain& e : scene.eigenstrain)
       size_ = std::max({size_, e ? size_over(e.normal, mesh) : 0, e ? size_over(e.shear, mesh) : 0});
   }
 
   Sampled operator()(const Eigenstrain& e, Index t) const {
-    const auto& [a, b, c] = mesh_.triangles[t];
-    const std::array<Vec2, 3> corners{mesh_.points[a], mesh_.points[b], mesh_.points[c]};
+    const Triangle cell = cell_of(mesh_, bows_, t);
     Sampled s{Eigen::Matrix4Xd(4, rule_.w.size())};
-    s.at.topRows<2>() = values(e.normal, corners, s);
-    s.at.bottomRows<2>() = values(e.shear, corners, s);
+    s.at.topRows<2>() = values(e.normal, cell, s);
+    s.at.bottomRows<2>() = values(e.shear, cell, s);
     return s;
   }
 
  private:
-  Points values(const VectorField& f, const std::array<Vec2, 3>& corners, Sampled& to) const {
+  Points values(const VectorField& f, const Triangle& cell, Sampled& to) const {
     if (is_polynomial(f)) {
-      Points at(2, rule_.w.size());
-      for (Eigen::Index q = 0; q < at.cols(); ++q) {
-        const double l1 = rule_.x(0, q), l2 = rule_.x(1, q);
-        at.col(q) = f((1 - l1 - l2) * corners[0] + l1 * corners[1] + l2 * corners[2]);
-      }
+      Points at = rule_points(rule_, cell);
+      for (Eigen::Index q = 0; q < at.cols(); ++q) at.col(q) = f(at.col(q));
       return at;
     }
-    const TriangleValues v = triangle_values(f, corners, rule_, size_, "eigenstrain");
+    const TriangleValues v = triangle_values(f, cell, rule_, size_, "eigenstrain");
     to.rest += 2 * v.rest;  // the shear counts twice in |e|
     to.error += 2 * v.error;
     if (v.how == Resolution::Open || to.how == Resolution::Open)
@@ -66,6 +64,7 @@ class Sampling {
 
   const Mesh& mesh_;
   const TriangleRule& rule_;
+  const Bows& bows_;
   double size_ = 0;
 };
 
@@ -86,11 +85,11 @@ const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t)
   return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
 }
 
-StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads) {
+StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
   StrainData data;
   if (!has_eigenstrain(scene)) return data;
   const Index triangles = static_cast<Index>(mesh.triangles.size());
-  data.degree = degree_of(scene);
+  data.degree = degree_of(scene, !bows.of.empty());
   data.coefficients.setZero(4 * dim(data.degree), triangles);
   data.rest.setZero(triangles);
   data.error.setZero(triangles);
@@ -98,7 +97,7 @@ StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule&
   const Eigen::MatrixXd basis = monomials(data.degree, rule.x), weighted = basis * rule.w.asDiagonal();
   const Eigen::MatrixXd project =
       solve_spd(multiply_transposed(weighted, basis), weighted).transpose();  // values -> coefficients
-  const Sampling sample(mesh, scene, rule);
+  const Sampling sample(mesh, scene, rule, bows);
   parallel_for(triangles, threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Eigenstrain* e = eigenstrain_of(mesh, scene, t);
@@ -107,7 +106,8 @@ StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule&
       const Eigen::Matrix4Xd c = s.at * project, left = s.at - c * basis;
       data.coefficients.col(t) = Eigen::Map<const Eigen::VectorXd>(c.data(), c.size());
       const Eigen::RowVector4d counts(1, 1, 2, 0);
-      if (!is_polynomial(e->normal) || !is_polynomial(e->shear))
+      const bool bent = data.degree > 0 && is_curved(cell_of(mesh, bows, t));
+      if (bent || !is_polynomial(e->normal) || !is_polynomial(e->shear))
         data.rest[t] = s.rest + counts * left.cwiseAbs2() * rule.w;
       data.error[t] = s.error;
       data.how[static_cast<std::size_t>(t)] = s.how;

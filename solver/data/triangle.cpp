@@ -1,6 +1,7 @@
 #include "solver/data.hpp"
 
 #include "base/dense.hpp"
+#include "solver/element/local.hpp"
 #include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
@@ -286,6 +287,30 @@ std::optional<TriangleValues> first_look(const Eigen::Ref<const Points>& at, con
   v.error = better(look.difference, look.size);
   v.how = Resolution::Sampled;
   return v;
+}
+
+TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule, double size,
+                               const char* what) {
+  if (!is_curved(cell)) return triangle_values(f, cell.x, rule, size, what);
+  const auto sampled = [&](const TriangleRule& at) {
+    Points values = rule_points(at, cell);
+    for (Eigen::Index q = 0; q < values.cols(); ++q) {
+      const Vec2 x = values.col(q);
+      values.col(q) = f(x);
+      if (!values.col(q).allFinite())
+        throw Error(Fault::Numerics, fmt::format("the {} is not finite at ({:.6g}, {:.6g})", what, x.x(), x.y()));
+    }
+    return values;
+  };
+  const Points at = sampled(rule), finer = sampled(finer_rule());
+  if (auto seen = first_look(at, rule, finer)) return *std::move(seen);
+  const Look look = compared(at, rule, finer);
+  TriangleValues open;
+  open.at = at;
+  open.error = look.difference + look.size;
+  open.rest = open.error * open.error;
+  open.how = Resolution::Open;
+  return open;
 }
 
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,

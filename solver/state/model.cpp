@@ -132,30 +132,13 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
                           rows, edges, most, shortest, at.x(), at.y()));
 }
 
-// What curved triangles cannot do yet. Loads of ours with an eigenstrain keep off them: then `data` of the scene is
-// given, and knows.
-void check_curved(const Mesh& mesh, const Scene& scene, const SceneData* data) {
-  if (mesh.arc.empty() || !has_eigenstrain(scene)) return;
-  const auto has_none = [&](Index e) {
-    return std::ranges::all_of(mesh.sides[static_cast<std::size_t>(e)], [&](Index t) {
-      return t == none || (data->strain.rest[t] == 0 && data->strain.coefficients.col(t).isZero(0));
-    });
-  };
-  bool straight = data != nullptr;
-  for (Index e = 0; straight && e < static_cast<Index>(mesh.arc.size()); ++e)
-    straight = mesh.arc[static_cast<std::size_t>(e)] == none || has_none(e);
-  if (!straight) throw Error(Fault::Numerics, "an eigenstrain is for straight triangles only; use mesh.curved = false");
-}
-
 // What comes before the matrix: the loads checked against the supports, the unknowns numbered.
 struct Prepared {
   /// `like`: of the same body under other loads, or null.
   Prepared(Mesh of, Kernel by, Scene under, int on, const Skeleton* like = nullptr)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
     const Bows bows = bows_of(mesh, kernel.element);
-    if (!like) check_curved(mesh, scene, nullptr);
     Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads, bows), threads, bows};
-    check_curved(mesh, scene, &loaded.data);
     skeleton = number(mesh, kernel, {scene, loaded.data}, bows);
     note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
     standing = standing_pieces(mesh, kernel, scene, skeleton);
@@ -593,8 +576,16 @@ Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Poi
 Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis) {
   const Mat2 inverse = barycentric_slopes(m.mesh, t);
   const Points l = barycentric(m, t, x);
-  return inverse(0, axis) * strain_slope_at(m.inner->data.strain, t, l, 0) +
-         inverse(1, axis) * strain_slope_at(m.inner->data.strain, t, l, 1);
+  const Eigen::Matrix4Xd first = strain_slope_at(m.inner->data.strain, t, l, 0),
+                         second = strain_slope_at(m.inner->data.strain, t, l, 1);
+  const Triangle shape = triangle(m, t);
+  if (!is_curved(shape)) return inverse(0, axis) * first + inverse(1, axis) * second;
+  Eigen::Matrix4Xd slope(4, x.cols());
+  for (Eigen::Index q = 0; q < x.cols(); ++q) {
+    const Mat2 there = inverse * cell_map(shape, l.col(q)).D.inverse();
+    slope.col(q) = there(0, axis) * first.col(q) + there(1, axis) * second.col(q);
+  }
+  return slope;
 }
 
 double work_of_loads(const Model& m, const Field& s) {

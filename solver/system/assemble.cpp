@@ -58,7 +58,7 @@ bool has_cubic_traces(const Assembly& from) {
 Eigen::VectorXd strain_moments(const Assembly& from, const Triangle& shape, Index t) {
   const TriangleRule& rule = from.kernel.load;
   const Eigen::Index n = rule.w.size();
-  Fields w{strain_at(from.data.strain, t, rule.x) * rule.w.asDiagonal(), Points::Zero(2, n),
+  Fields w{strain_at(from.data.strain, t, rule.x) * rule_weights(rule, shape).asDiagonal(), Points::Zero(2, n),
            Eigen::RowVectorXd::Zero(n)};
   return weigh(from.kernel, shape, rule_points(rule, shape), w).head(stress_count(from.kernel.element));
 }

@@ -289,6 +289,102 @@ TEST_P(CurvedCells, TurningDiscStandsInEquilibriumByItself) {
   EXPECT_LT(fine.displacement, 0.02);
 }
 
+// The energy of that disc is minus half the work of the body force on the displacement, 2 pi int_0^1 r^2 u_r dr / 2.
+TEST_P(CurvedCells, BoundsHoldTheEnergyOfATurningDisc) {
+  Scene scene;
+  scene.material = steel;
+  scene.body = VectorField([](const Vec2& x) -> Vec2 { return x; });
+  constexpr double nu = 0.3, k = (3 - 2 * nu) / (8 * (1 - nu)), l = (1 + 2 * nu) / (8 * (1 - nu));
+  // u_r = r/2 (a - b r^2)
+  constexpr double a = (1 - nu) * k - nu * k, b = (1 - nu) * l - nu * k;
+  const double exact = -pi * 0.5 * (a / 4 - b / 6);
+  double before = 0;
+  for (const double size : {0.28, 0.14}) {
+    const Model m = prepare(triangulate(disc(1), {.size = size, .curved = true}), GetParam(), scene, 1);
+    const EnergyBounds found = energy_bounds(m, solve(m));
+    if (GetParam().displacement == 0) {
+      EXPECT_NE(found.note.find("degree 1 sees too little"), std::string::npos) << found.note;
+      continue;
+    }
+    EXPECT_LE(found.lower, exact) << found.note;
+    EXPECT_GE(found.upper, exact) << found.note;
+    const double width = found.upper - found.lower;
+    EXPECT_LT(width, 5e-3 * std::abs(exact));
+    if (before > 1e-10) {  // cubic stresses are exact
+      EXPECT_LT(width, before / 3) << "order";
+    }
+    before = width;
+  }
+}
+
+// f = (0, -1) on a ring that its outer rim holds: no closed form. The bounds of all degrees share a point.
+TEST(CurvedCell, BoundsOfAHangingRingMeet) {
+  Scene scene;
+  scene.material = steel;
+  scene.body = VectorField([](const Vec2&) -> Vec2 { return {0, -1}; });
+  scene.supports.push_back({0, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+  double lower = -infinity, upper = infinity;
+  for (const int degree : {1, 2, 3, 4}) {
+    const Model m = prepare(triangulate(ring(0.5, 1), {.size = 0.2, .curved = true}), bdms(degree), scene, 1);
+    const EnergyBounds b = energy_bounds(m, solve(m));
+    lower = std::max(lower, b.lower);
+    upper = std::min(upper, b.upper);
+    EXPECT_LE(lower, upper) << degree << " " << b.note;
+    EXPECT_LT(b.upper - b.lower, std::pow(0.03, degree) * std::abs(b.lower)) << degree;
+  }
+}
+
+Eigenstrain constant_strain(const Vec2& normal, double shear) {
+  return {.normal = linear_field([normal](const Vec2&) { return normal; }),
+          .shear = linear_field([shear](const Vec2&) -> Vec2 {
+            return {shear, 0};
+          })};
+}
+
+// What grows freely has no stress, also beside curved sides.
+TEST(CurvedCell, FreeGrowthMakesNoStress) {
+  Scene scene;
+  scene.material = steel;
+  scene.eigenstrain = {constant_strain({0.25, -0.5}, 0.125)};
+  for (const Element& e : {bdms(1), bdms(2), bdms(3), afw(1), afw(2)}) {
+    const Model m = prepare(triangulate(ring(0.5, 1), {.size = 0.25, .curved = true}), e, scene, 1);
+    const State s = solve(m);
+    EXPECT_LT(s.interior.topRows(stress_count(e)).cwiseAbs().maxCoeff(), 1e-10) << title(e);
+    for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); t += 7) {
+      const Triangle cell = triangle(m, t);  // distances of corners grow as the strain says
+      Points x(2, 2);
+      x << cell.x[0], cell.x[1];
+      const Points u = recovered_displacement(m, s, t, x);
+      const Vec2 d = x.col(1) - x.col(0), moved = u.col(1) - u.col(0);
+      EXPECT_NEAR(d.dot(moved), 0.25 * d.x() * d.x() - 0.5 * d.y() * d.y() + 0.25 * d.x() * d.y(), 1e-10);
+    }
+  }
+}
+
+// An eigenstrain that changes in space meets curved sides: u = (x^3, x y^2)/10 prescribed as an eigenstrain that is
+// compatible makes no stress; what is left falls at the order of the element.
+TEST(CurvedCell, CompatibleGrowthMakesLittleStress) {
+  for (const int degree : {1, 2, 3}) {
+    std::array<double, 2> left{}, edges{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      Scene scene;
+      scene.material = steel;
+      scene.eigenstrain = {{.normal = [](const Vec2& x) -> Vec2 {
+                              return {0.3 * x.x() * x.x(), 0.2 * x.x() * x.y()};
+                            },
+                            .shear = [](const Vec2& x) -> Vec2 {
+                              return {0.05 * x.y() * x.y(), 0};
+                            }}};
+      const Model m =
+          prepare(triangulate(ring(0.5, 1), {.size = i == 0 ? 0.3 : 0.15, .curved = true}), bdms(degree), scene, 1);
+      left[i] = std::sqrt(strain_energy(m, solve(m)));
+      edges[i] = std::sqrt(static_cast<double>(m.mesh.triangles.size()));
+    }
+    const double found = std::log(left[0] / left[1]) / std::log(edges[1] / edges[0]);
+    EXPECT_TRUE(found > degree + 0.5 || left[1] < 1e-12) << degree << ": " << left[0] << " " << left[1];
+  }
+}
+
 // An ellipse of aspect 4: the largest stress is 9 times the load.
 TEST(CurvedCell, PeakAtAnEllipseIsThatOfTheCurve) {
   const Mat2 pull = (Mat2() << 0, 0, 0, 1).finished();
