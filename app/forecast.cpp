@@ -1,5 +1,6 @@
 #include "app/forecast.hpp"
 
+#include "app/margins.hpp"
 #include "app/progress.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/stop.hpp"
@@ -146,7 +147,9 @@ Forecast forecast(const Case& c, Job job, int threads) {
   const Scratch scratch;
   Case plain = c;
   const bool optimizes = c.optimize && (job == Job::Optimize || job == Job::Run);
+  if (optimizes) plain.element = plain.optimize_element, plain.sizing = problem_of(c).sizing;
   plain.optimize.reset();
+  plain.output.margins = false;
   plain.divisions = 0;
   if (c.synthetic)  // any data cost the same
     plain.functional = with_measured(std::move(plain.functional), c.synthetic->label,
@@ -178,6 +181,9 @@ Forecast forecast(const Case& c, Job job, int threads) {
   }
   const Seconds s = continued(trial, seconds, f.triangles);
   f.seconds = s.total;
+  // The state of one degree more: twice the entries of the factor, and twice its time.
+  const double margins = wants_margins(c, f.triangles) && !optimizes ? 2 : 0;
+  f.seconds += margins * of_state(s);
   if (c.adapt) f.seconds += 0.6 * of_state(s);  // the rounds before
   if (optimizes) f.seconds += solves_of(*c.optimize) * of_state(s);
   f.at_most = c.adapt || optimizes;
@@ -185,7 +191,7 @@ Forecast forecast(const Case& c, Job job, int threads) {
   const auto memory = [&](bool single) {
     const double before = memory_of_state(trial.n, trial, single), state = memory_of_state(f.triangles, trial, single);
     const double balls = seconds.validate > 0 ? 3 * (state - before) : 0;
-    return state + balls + std::max(0.0, trial.result.peak_memory_mb - before);
+    return state + margins * 0.7 * (state - 48) + balls + std::max(0.0, trial.result.peak_memory_mb - before);
   };
   f.memory_mb = memory(c.precision == FactorPrecision::Single);
   if (c.precision == FactorPrecision::Auto && c.backend == Backend::Cholmod && !optimizes && seconds.validate == 0 &&

@@ -54,6 +54,9 @@ std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& va
     if (!(here.value <= regular.value) && !zones.hold(here.at)) regular = here;
   }
   if (std::isnan(largest.value)) return std::nullopt;
+  // A stress that is the same everywhere is largest where rounding says.
+  constexpr double rounding = 1e-9;
+  if (regular.value >= (1 - rounding) * largest.value) largest = regular;
   Peak p{.largest = largest, .singular = zones.hold(largest.at)};
   if (p.singular && !std::isnan(regular.value)) p.regular = regular;
   return p;
@@ -147,7 +150,7 @@ std::string note_on_chords(const Case& c, const PlacedValue& top, double beside)
       "the largest von Mises stress, {:.4g} at {}, lies at a corner of the chords that stand for a curved side, where "
       "it is larger than on the curve; in the middle of the chords beside it it is {:.4g}{}",
       top.value, point_in_words(top.at), beside,
-      can_be_curved(c.element) && !c.mesh && !c.optimize ? "; with mesh.curved = true edges follow the curve" : "");
+      c.why_chords.empty() && !c.mesh ? "; with mesh.curved = true edges follow the curve" : "");
 }
 
 }  // namespace kerf

@@ -8,6 +8,7 @@
 #include "app/files.hpp"
 #include "app/history.hpp"
 #include "app/map.hpp"
+#include "app/margins.hpp"
 #include "app/optimize.hpp"
 #include "app/page_data.hpp"
 #include "app/parts.hpp"
@@ -19,6 +20,7 @@
 #include "io/files.hpp"
 #include "io/kept.hpp"
 #include "io/mesh_source.hpp"
+#include "kerf/folded.hpp"
 #include "kerf/stop.hpp"
 #include "plot/page.hpp"
 #include "solver/system.hpp"
@@ -85,6 +87,7 @@ Case designed(const Case& c, const OptimizeResult& result) {
     out.scene.tractions = loaded.tractions;
     out.scene.body = loaded.body;
   }
+  choose_edges(out);
   return out;
 }
 
@@ -258,8 +261,20 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   return adapted;
 }
 
-SolvedState solve_state(const Case& c, Journal& journal, Result& r) {
-  Adapted adapted = solve_body(c, journal, r);
+/// With chords after all where an edge that follows a curve folds a triangle, unless mesh.curved = true.
+Adapted solve_body_as_it_can(Case& c, Journal& journal, Result& r) {
+  try {
+    return solve_body(c, journal, r);
+  } catch (const FoldedTriangle& e) {
+    if (c.curved.value_or(false)) throw;
+    c.sizing.curved = false;
+    c.why_chords = e.what();
+    return solve_body(c, journal, r);
+  }
+}
+
+SolvedState solve_state(Case& c, Journal& journal, Result& r) {
+  Adapted adapted = solve_body_as_it_can(c, journal, r);
   if (stop_requested()) {  // between rounds: the last one is there
     write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
                 crack_results(adapted.model, adapted.state, c.shape), journal);
@@ -290,7 +305,15 @@ SolvedState solve_state(const Case& c, Journal& journal, Result& r) {
   require_energy(r.state->energy, has_stress(adapted.model, adapted.state));
   const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;
   PlotData data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
-  if (c.output.peaks) add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
+  if (c.output.peaks) {
+    add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
+    if (r.state->von_mises && !is_of_polygon(c.shape, adapted.model.mesh))  // corners of chords have a note
+      refine_peak(adapted.model, adapted.state, data, c.plane_strain, singular_zones(adapted.model, extent(c.shape)),
+                  *r.state->von_mises);
+    journal.seconds.recover += journal.lap();
+    add_margins(c, adapted, data, *r.state, r.cracks);
+    journal.seconds.margins += journal.lap();
+  }
   if (const auto top = r.state->von_mises ? top_on_chords(c, *r.state->von_mises) : std::nullopt) {
     const double middles = beside(adapted.model, adapted.state, data, c.plane_strain, top->at);
     if (const std::string chords = note_on_chords(c, *top, middles); !chords.empty()) r.state->notes.push_back(chords);
@@ -364,7 +387,7 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
 }
 
 /// The state of the optimal design; J is what the optimization says, over all load cases.
-SolvedState solve_design(const Case& design, Journal& journal, Result& r) {
+SolvedState solve_design(Case& design, Journal& journal, Result& r) {
   SolvedState solved = solve_state(design, journal, r);
   write_design_mesh(journal, solved.adapted.model.mesh, design.shape);
   journal.picture("design.png", [&] { return picture_of(design, solved.adapted.model.mesh); });

@@ -168,6 +168,10 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);
   for (const std::string& note : notes_on_faces(s.cracks, model.scene)) s.state.notes.push_back(note);
+  if (s.state.of_polygon && !c.why_chords.empty())
+    s.state.notes.push_back(fmt::format(
+        "curved sides are drawn by chords, because {}: the largest stress on them may be 2 to 8 % too large there",
+        c.why_chords));
   // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
   const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
   const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet

@@ -5,6 +5,7 @@
 #include "app/progress.hpp"
 #include "app/ranks.hpp"
 #include "bench/contact.hpp"
+#include "bench/defaults.hpp"
 #include "bench/hard.hpp"
 #include "bench/limit.hpp"
 #include "bench/machines.hpp"
@@ -59,6 +60,8 @@ const std::vector<Bench>& benches() {
        machine_case_names()},
       {"optimize", "compliance, time and state solves of optimized designs beside those of other programs",
        optimize_case_names()},
+      {"defaults", "defaults alone on the bodies of the validation manual, beside degrees 1 and 3",
+       defaults_case_names()},
       {"verify", "the validation manual: benchmarks with published or closed-form values, each against its tolerance",
        manual_ids()}};
   return all;
@@ -165,6 +168,8 @@ int perform(int argc, char** argv) {
     finish(bench);
     if (const int outside = count(bench, "outside"))
       throw Error(Fault::Numerics, fmt::format("{} of the benchmarks outside their tolerance", outside));
+  } else if (arguments->name == "defaults") {
+    finish(run_defaults_bench(options));
   } else if (arguments->name == "limit") {
     finish(run_limit_bench(options, arguments->large));
   } else if (arguments->name == "machines") {

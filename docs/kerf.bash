@@ -174,6 +174,7 @@ output.estimate
 output.energy_bounds
 output.tips
 output.peaks
+output.margins
 optimize.method
 optimize.volume.at_most
 optimize.volume.penalty

@@ -21,7 +21,7 @@ namespace kerf {
 
 struct Seconds {
   double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0, energy_bounds = 0, tips = 0,
-         recover = 0, map = 0, bounds = 0, validate = 0, optimize = 0, output = 0, total = 0;
+         recover = 0, margins = 0, map = 0, bounds = 0, validate = 0, optimize = 0, output = 0, total = 0;
 };
 struct TimedPhase {
   const char* name;
@@ -29,7 +29,7 @@ struct TimedPhase {
   bool always;  // in result.json; else where it took any time
 };
 /// All but the total, in the order of tables.
-inline constexpr std::array<TimedPhase, 14> timed_phases{{{"mesh", &Seconds::mesh, true},
+inline constexpr std::array<TimedPhase, 15> timed_phases{{{"mesh", &Seconds::mesh, true},
                                                           {"assemble", &Seconds::assemble, true},
                                                           {"factor", &Seconds::factor, true},
                                                           {"solve", &Seconds::solve, true},
@@ -38,6 +38,7 @@ inline constexpr std::array<TimedPhase, 14> timed_phases{{{"mesh", &Seconds::mes
                                                           {"energy_bounds", &Seconds::energy_bounds, false},
                                                           {"tips", &Seconds::tips, false},
                                                           {"recover", &Seconds::recover, false},
+                                                          {"margins", &Seconds::margins, false},
                                                           {"bounds", &Seconds::bounds, false},
                                                           {"map", &Seconds::map, true},
                                                           {"validate", &Seconds::validate, true},
@@ -47,6 +48,7 @@ inline constexpr std::array<TimedPhase, 14> timed_phases{{{"mesh", &Seconds::mes
 struct PlacedValue {
   Vec2 at = Vec2::Zero();
   double value = 0;
+  std::optional<double> margin = {};  // the truth is expected within value +- margin; absent: not computed
 };
 
 /// A largest value. `singular`: it lies so near a tip, a kink, a corner or the end of a support that a finer mesh would
@@ -74,6 +76,10 @@ struct TipResult {
     double K_I, K_II, T;
   };
   std::optional<Spread> spread = {};
+  struct Margin {  // the truth is expected within each of them
+    double K_I, K_II, G, T;
+  };
+  std::optional<Margin> margin = {};
 };
 
 struct CrackResult {

@@ -19,7 +19,7 @@ declare -A below=(
 declare -A home=(
   [types]=geometry [stop]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry
   [material]=solver [field]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
-  [fracture]=solver [bounds]=solver [adaptive]=solver
+  [fracture]=solver [bounds]=solver [adaptive]=solver [folded]=solver
   [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [derivative_bounds]=topo [second_order]=topo [validate]=topo [shape_gradient]=topo [units]=topo
   [design]=optimize [optimize]=optimize [inverse]=optimize
   [case_file]=io [mesh_file]=io [vtk]=io [kerf]=io
@@ -36,7 +36,7 @@ for header in include/kerf/*.hpp; do
 done
 for room in "${!below[@]}"; do
   while IFS=: read -r file line; do
-    path=$(sed -E 's/.*"(.*)".*/\1/' <<<"$line")
+    path=${line#*\"} path=${path%%\"*}
     target=${path%%/*}
     case "$target" in
       kerf) name=${path#kerf/}; name=${name%.hpp}; target=${home[$name]:-unknown} ;;
@@ -56,7 +56,7 @@ for room in "${!below[@]}"; do
 done
 # Tests of a room see its private headers and nobody else's.
 while IFS=: read -r file line; do
-  path=$(sed -E 's/.*"(.*)".*/\1/' <<<"$line")
+  path=${line#*\"} path=${path%%\"*}
   target=${path%%/*}
   room=$(cut -d/ -f2 <<<"$file")
   [ "$room" = fuzz ] && room=io  # makes case files from the table of keys

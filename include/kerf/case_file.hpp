@@ -64,6 +64,7 @@ struct OutputRequest {
   // What is found of the state beside the solution, and takes its time: the estimated error, the interval of the
   // energy, K, G and T at tips, the largest stress and displacement.
   bool estimate = true, energy_bounds = true, tips = true, peaks = true;
+  std::optional<bool> margins = {};  // of the last two; absent: where that is quick
 };
 
 /// What solves: factors of the condensed matrix or of the saddle point that is not condensed; or processes that have a
@@ -115,6 +116,8 @@ struct Case {
   std::shared_ptr<const Mesh> mesh = {};     // of the shape, from a file: the state is solved on it as it is
   std::vector<std::string> file_notes = {};  // what was left out of that file
   Sizing sizing;
+  std::optional<bool> curved = {};  // mesh.curved, if it is not "auto"
+  std::string why_chords = {};      // the edges of curved sides are chords, though nothing asks for chords
   int divisions = 0;                // mesh.refine
   Scene scene;                      // one law per crack of the shape
   double young = 1, poisson = 0.3;  // E1 and nu12 of an orthotropic body
@@ -122,7 +125,8 @@ struct Case {
   bool plane_strain = true;
   std::optional<double> thickness = {};  // of a plate in plane stress
   std::vector<Elastic> regions;          // per region of the shape; as materials in the scene
-  Element element = bdms(1);
+  Element element = bdms(2);
+  Element optimize_element = bdms(1);  // of the iterations of [optimize], which take many states
   ContactMethod contact = ContactMethod::DualQp;
   Backend backend = Backend::Cholmod;
   FactorPrecision precision = FactorPrecision::Auto;
@@ -149,7 +153,10 @@ struct Case {
 /// "file:line:column" of a key, or of the nearest table around it that there is.
 std::string place_of(const Case& c, std::string key);
 
-/// What [optimize] asks about. `threads` of all that is solved.
+/// Sets sizing.curved and why_chords for the shape, as `curved` asks, or wherever the job can.
+void choose_edges(Case& c);
+
+/// What [optimize] asks about: straight edges, its own element. `threads` of all that is solved.
 Problem problem_of(const Case& c, int threads = 1);
 
 /// The scene with the loads of the first load case, if there are load cases.

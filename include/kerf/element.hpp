@@ -228,6 +228,7 @@ constexpr bool can_be_bettered(const Element& e) {
 
 using Ability = bool (*)(const Element&);
 
+bool has_degree(std::string_view name, int degree);
 const Element& element(std::string_view name, int degree = 1);  // throws Error(Usage) naming the known ones
 
 /// `"bdms", "peers" or "afw"`: those that can, with their degrees where only some can.

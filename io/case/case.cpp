@@ -1,5 +1,6 @@
 #include "kerf/case_file.hpp"
 
+#include "geometry/curved.hpp"
 #include "io/case/fingerprint.hpp"
 #include "io/case/interfaces.hpp"
 #include "io/case/sections.hpp"
@@ -41,14 +42,33 @@ void read_material(const Value& document, Case& c) {
   c.scene.material = elastic(material, constants, c.plane_strain);
 }
 
-/// What mesh.curved asks of the element and the body.
-void check_curved(const Value& document, const Case& c) {
-  if (!c.sizing.curved) return;
-  const Value curved = need(*find_table(document, "mesh"), "curved");
-  if (const auto why = refusal(c.element, can_be_curved))
-    fail(curved.node->position, fmt::format("{}: {}", curved.name, *why));
-  if (find(need(document, "domain"), "file"))
-    fail(curved.node->position, curved.name + " goes with a body that is drawn in the case: a file has chords already");
+/// Why the edges of a body with curved sides are chords where mesh.curved = "auto"; empty: they follow the curves.
+std::string why_chords(const Case& c) {
+  if (const auto why = refusal(c.element, can_be_curved)) return *why;
+  if (c.divisions > 0) return "mesh.refine divides straight triangles";
+  if (c.backend != Backend::Cholmod) return "solver.backend is not \"cholmod\"";
+  return "";
+}
+
+void read_curved(const Value& document, Case& c) {
+  const auto mesh = find_table(document, "mesh");
+  const auto curved = mesh ? find(*mesh, "curved") : std::nullopt;
+  if (curved && curved->node->kind == Node::Kind::String)
+    choice(*curved);  // "auto"
+  else if (curved)
+    c.curved = boolean(*curved);
+  if (c.curved.value_or(false)) {
+    if (const auto why = refusal(c.element, can_be_curved))
+      fail(curved->node->position, fmt::format("{}: {}", curved->name, *why));
+    if (find(need(document, "domain"), "file"))
+      fail(curved->node->position,
+           curved->name + " goes with a body that is drawn in the case: a file has chords already");
+    if (c.divisions > 0) {
+      const Value divided = need(*mesh, "refine");
+      fail(divided.node->position, fmt::format("{} does not go with mesh.curved; leave one of them out", divided.name));
+    }
+  }
+  choose_edges(c);
 }
 
 void read_mesh(const Value& document, Case& c) {
@@ -58,12 +78,7 @@ void read_mesh(const Value& document, Case& c) {
   take(*mesh, "size", c.sizing.size);
   take(*mesh, "crack_tip_size", c.sizing.crack_tip_size);
   take(*mesh, "min_angle", c.sizing.min_angle_deg);
-  take(*mesh, "curved", c.sizing.curved);
   take(*mesh, "refine", c.divisions);
-  if (c.divisions > 0 && c.sizing.curved) {
-    const Value divided = need(*mesh, "refine");
-    fail(divided.node->position, fmt::format("{} does not go with mesh.curved; leave one of them out", divided.name));
-  }
   if (const auto mesher = find(*mesh, "mesher"); mesher && !find(need(document, "domain"), "file"))
     fail(mesher->node->position, mesher->name + " goes with a geometry in domain.file");
   if (const auto adapt = find_table(*mesh, "adapt")) {
@@ -81,6 +96,7 @@ void read_solver(const Value& document, Case& c) {
   allow_only(*solver);
   const auto degree = find(*solver, "degree");
   c.element = read_element(*solver, degree ? *degree : *solver, c.element);
+  c.optimize_element = read_element(*solver, degree ? *degree : *solver, c.optimize_element);
   take(*solver, "contact", c.contact);
   take(*solver, "backend", c.backend);
   take(*solver, "precision", c.precision);
@@ -105,6 +121,7 @@ void read_output(const Value& document, Case& c) {
   take(*output, "energy_bounds", c.output.energy_bounds);
   take(*output, "tips", c.output.tips);
   take(*output, "peaks", c.output.peaks);
+  if (const auto margins = find(*output, "margins")) c.output.margins = boolean(*margins);
   if (const auto estimate = find(*output, "estimate"); !c.output.estimate && c.adapt)
     fail(estimate->node->position,
          estimate->name + " = false does not go with mesh.adapt, which refines by the estimate; leave one of them out");
@@ -176,7 +193,7 @@ Element read_element(const Value& table, const Value& blamed, const Element& oth
   if (!name && !degree) return otherwise;
   const std::string word = name ? choice(*name) : std::string(otherwise.name);
   // Which degrees an element has, it says itself.
-  const int number = degree ? whole_number(*degree, {1, 9}) : 1;
+  const int number = degree ? whole_number(*degree, {1, 9}) : has_degree(word, otherwise.degree) ? otherwise.degree : 1;
   try {
     return element(word, number);
   } catch (const Error& e) {
@@ -210,10 +227,10 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_functional(document, origin.folder, definitions, c);
   read_mesh(document, c);
   read_solver(document, c);
-  check_curved(document, c);
   read_synthetic(document, c);
   read_optimize(document, origin.folder, frozen, definitions, c);
-  c.sizing.long_ligaments = c.element.order >= 2 && !c.optimize;
+  read_curved(document, c);
+  c.sizing.long_ligaments = c.element.order >= 2;
   check_all_used(definitions);
   read_map(document, c);
   read_probes(document, origin.folder, c);
@@ -240,11 +257,19 @@ std::string place_of(const Case& c, std::string key) {
   }
 }
 
+void choose_edges(Case& c) {
+  c.why_chords = !c.curved && !c.mesh && !arcs_of(c.shape).empty() ? why_chords(c) : "";
+  c.sizing.curved = c.curved.value_or(!c.mesh && !arcs_of(c.shape).empty() && c.why_chords.empty());
+}
+
 Problem problem_of(const Case& c, int threads) {
+  Sizing sizing = c.sizing;
+  sizing.curved = c.curved.value_or(false);
+  sizing.long_ligaments = false;
   return {.frame = c.shape,
           .scene = c.scene,
-          .sizing = c.sizing,
-          .element = c.element,
+          .sizing = sizing,
+          .element = c.optimize_element,
           .objective = c.functional,
           .contact = c.contact,
           .plane_strain = c.plane_strain,

@@ -241,6 +241,9 @@ std::vector<std::string> limits(const Case& c, const DesignFile& design) {
   if (c.synthetic) all.push_back("its data are measured.csv, straight between the sensors: J may differ a little.");
   std::set<std::string> first;
   for (const Crack& crack : c.shape.cracks) first.insert(crack.name);
+  if (c.element.degree > c.optimize_element.degree)
+    all.push_back(
+        "kerf solve takes elements of one degree more than the iterations did: J may differ in its third digit.");
   for (const Crack& crack : design.shape.cracks)
     if (!first.contains(crack.name) && first.contains(whole_of(crack.name)))
       all.push_back(fmt::format("crack {} is a piece of another one: functionals of that one see its first piece only.",

@@ -28,6 +28,7 @@ constexpr std::array<View, 13> functional_kinds{
     "stress_power", "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",     "crack_pressure",
     "sum"};
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
+constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
 constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"};
 constexpr std::array<View, 1> from_map{"map"};
@@ -346,12 +347,13 @@ constexpr Key rows[] = {
      "2",
      "0"},
     {"mesh.curved",
-     Boolean,
-     {},
-     "Edges along arcs, circles and ellipses follow them, and stresses converge at the order of the element there. For "
-     "bdms and afw; solve, map, validate and bounds. Intervals are those of the body then, and estimates.",
-     "true",
-     "false"},
+     Word | Boolean,
+     {.words = curved_words},
+     "Whether edges along arcs, circles and ellipses follow them; then stresses converge at the order of the element "
+     "there. auto: wherever the job can; else they are chords, and a note says why. true goes with bdms and afw, in "
+     "solve, map and validate. Intervals are those of the body then, and estimates; with chords of the polygon.",
+     "false",
+     "\"auto\""},
     {"mesh.mesher",
      Word,
      {.words = mesher_words},
@@ -397,7 +399,12 @@ constexpr Key rows[] = {
      "are the common elements for displacements.",
      "\"afw\"",
      "\"bdms\""},
-    {"solver.degree", Whole, {.range = {1, 4}}, "Of bdms and afw; the others have none but 1.", "2", "1"},
+    {"solver.degree",
+     Whole,
+     {.range = {1, 4}},
+     "Of bdms and afw; the others have none but 1. Where it is not given, the iterations of [optimize] take 1.",
+     "3",
+     "2"},
     {"solver.contact",
      Word,
      {.words = contact_method_words},
@@ -586,8 +593,8 @@ constexpr Key rows[] = {
      "are "
      "not. One solve by the factor of the state and one pass over the triangles per quantity, where cracks may be in "
      "contact up to eight contact problems. Elements bdms and afw; no friction. Where sides are curved the "
-     "interval "
-     "is that of the polygon of the mesh, or with mesh.curved that of the body; neither is called guaranteed."},
+     "interval is that of the body, or with mesh.curved = false that of the polygon of the mesh; neither is called "
+     "guaranteed."},
     {"bounds.tips",
      Boolean,
      {},
@@ -654,6 +661,14 @@ constexpr Key rows[] = {
      "no field is recovered at corners.",
      "false",
      "true"},
+    {"output.margins",
+     Boolean,
+     {},
+     "Margins of the largest von Mises stress, the largest displacement and of K, G and T: the truth is expected "
+     "within "
+     "value +- margin. It takes another state, of one degree more on the same mesh.",
+     "false",
+     "true up to 30,000 triangles"},
 
     {"optimize", Table, {}, "The best body: J of [functional], which must be there, as small as it can be."},
     {"optimize.method",

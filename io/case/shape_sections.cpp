@@ -45,6 +45,11 @@ Loop read_outline(const Value& outline, const std::string& name) {
       center.emplace_back();
     }
   }
+  if (center.back() && !center.front() && (vertices.back() - vertices.front()).norm() <= 1e-9 * vertices.back().norm())
+    fail(entries.back().node->position,
+         fmt::format("{} ends with an arc to its first point, which it has already; begin the outline with this arc "
+                     "instead of that point: a first entry that is an arc comes from the last one",
+                     outline.name));
   Loop loop{name, {}};
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const std::size_t next = (i + 1) % vertices.size();

@@ -13,8 +13,8 @@ namespace {
 Element other_element(const Value& table, const Case& c, const Scene& scene) {
   const auto name = find(table, "element"), degree = find(table, "degree");
   const Value& blamed = name ? *name : degree ? *degree : table;
-  const Element e = read_element(table, blamed, c.element.name == "afw" ? bdms(2) : afw(2));
-  if (e.name == c.element.name && e.degree == c.element.degree)
+  const Element e = read_element(table, blamed, name ? bdms(1) : c.optimize_element.name == "afw" ? bdms(2) : afw(2));
+  if (e.name == c.optimize_element.name && e.degree == c.optimize_element.degree)
     fail(blamed.node->position,
          fmt::format("{}: the data would be made with the element \"{}\" of degree {} that looks for the answer: an "
                      "inverse crime; choose another element or degree",

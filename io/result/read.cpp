@@ -47,7 +47,7 @@ Vec2 read_place(const Json& at) {
   return {read_number(at.at(0)), read_number(at.at(1))};
 }
 PlacedValue read_placed(const Json& value) {
-  return {read_place(value.at("at")), read_number(value, "value")};
+  return {read_place(value.at("at")), read_number(value, "value"), maybe(value, "margin")};
 }
 Peak peak(const Json& from) {
   Peak out{read_placed(from), from.value("singular", false), std::nullopt};
@@ -145,6 +145,9 @@ CrackResult crack(const Json& from) {
                   maybe(t, "G"),          maybe(t, "T"),   std::nullopt};
     if (t.contains("spread") && !t["spread"].is_null())
       tip.spread = {read_number(t["spread"], "K_I"), read_number(t["spread"], "K_II"), read_number(t["spread"], "T")};
+    if (t.contains("margin"))
+      tip.margin = {read_number(t["margin"], "K_I"), read_number(t["margin"], "K_II"), read_number(t["margin"], "G"),
+                    read_number(t["margin"], "T")};
     out.tips.push_back(tip);
   }
   out.fluid_pressure = maybe(from, "fluid_pressure");

@@ -29,7 +29,9 @@ Json place_of(const Vec2& at) {
 }
 
 Json placed(const PlacedValue& value) {
-  return {{"at", place_of(value.at)}, {"value", number(value.value)}};
+  Json out = {{"at", place_of(value.at)}, {"value", number(value.value)}};
+  if (value.margin) out["margin"] = number(*value.margin);
+  return out;
 }
 
 Json mesh_section(const Result& result) {
@@ -160,6 +162,9 @@ Json crack_section(const CrackResult& crack) {
                     {"G", number(tip.G)},
                     {"T", number(tip.T)},
                     {"spread", std::move(spread)}});
+    if (const auto& m = tip.margin)
+      tips.back()["margin"] = {
+          {"K_I", number(m->K_I)}, {"K_II", number(m->K_II)}, {"G", number(m->G)}, {"T", number(m->T)}};
   }
   Json out = {{"name", crack.name},
               {"length", number(crack.length)},

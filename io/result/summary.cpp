@@ -79,13 +79,21 @@ std::string item(const std::string& name, double value, const std::string& unit 
   return fmt::format("{} {}{}", name, six(value), with_blank(unit));
 }
 
+/// "K_I 1.2 +- 0.003 MPa √m".
+std::string item(const std::string& name, double value, const std::optional<double>& margin, const std::string& unit) {
+  if (!margin || !std::isfinite(*margin)) return item(name, value, unit);
+  return fmt::format("{} {} +- {:.2g}{}", name, six(value), *margin, with_blank(unit));
+}
+
 std::string at(const Vec2& p) {
   return fmt::format("at ({}, {})", six(p.x()), six(p.y()));
 }
 
 /// "name 5.1 at (0, 1)"; of a singular one what a finer mesh does not change comes first.
 std::vector<std::string> in_words(const std::string& name, const Peak& peak, const std::string& unit) {
-  const auto placed = [&](const PlacedValue& v) { return item("", v.value, unit).substr(1) + ' ' + at(v.at); };
+  const auto placed = [&](const PlacedValue& v) {
+    return item("", v.value, v.margin, unit).substr(1) + ' ' + at(v.at);
+  };
   if (!peak.singular) return {name + ' ' + placed(peak.largest)};
   std::vector<std::string> items;
   if (peak.regular) items.push_back(name + ' ' + placed(*peak.regular));
@@ -139,10 +147,14 @@ void add_crack(std::string& out, const CrackResult& crack, const Units& u) {
   for (const TipResult& tip : crack.tips) {
     if (!tip.K_I && !tip.K_II && !tip.G) continue;
     std::vector<std::string> items = {"tip " + at(tip.at)};
-    if (tip.K_I) items.push_back(item("K_I", *tip.K_I, intensity));
-    if (tip.K_II) items.push_back(item("K_II", *tip.K_II, intensity));
-    if (tip.G) items.push_back(item("G", *tip.G, unit(u, dimension::release_rate)));
-    if (tip.T) items.push_back(item("T", *tip.T, stress));
+    const auto margin = [&](double TipResult::Margin::*of) -> std::optional<double> {
+      return tip.margin ? std::optional((*tip.margin).*of) : std::nullopt;
+    };
+    using Margin = TipResult::Margin;
+    if (tip.K_I) items.push_back(item("K_I", *tip.K_I, margin(&Margin::K_I), intensity));
+    if (tip.K_II) items.push_back(item("K_II", *tip.K_II, margin(&Margin::K_II), intensity));
+    if (tip.G) items.push_back(item("G", *tip.G, margin(&Margin::G), unit(u, dimension::release_rate)));
+    if (tip.T) items.push_back(item("T", *tip.T, margin(&Margin::T), stress));
     add(out, "", items);
   }
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
@@ -56,7 +57,10 @@ std::string folded_section(const std::string& title, const std::string& summary,
 }
 
 void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Units& units, const Dimension& of) {
-  const auto placed = [&](const PlacedValue& v) { return with_unit(v.value, units, of) + " at " + at_place(v.at); };
+  const auto placed = [&](const PlacedValue& v) {
+    const std::string margin = v.margin && std::isfinite(*v.margin) ? fmt::format(" ± {:.2g}", *v.margin) : "";
+    return with_unit(v.value, units, of) + margin + " at " + at_place(v.at);
+  };
   if (!peak.singular) return facts.add(name, placed(peak.largest));
   facts.add(name, peak.regular ? placed(*peak.regular) : "only near singular points");
   facts.add(name + ", singular", placed(peak.largest) + " (larger on finer meshes)");

@@ -118,9 +118,15 @@ std::string crack_section(const CrackResult& crack, std::size_t i, const Units& 
   for (const auto& t : crack.transitions) rows.push_back({at_place(t.at), escape_html(t.from), escape_html(t.to)});
   if (!rows.empty()) out += table({"transition at", "from", "to"}, rows);
   rows.clear();
-  for (const TipResult& tip : crack.tips)
-    rows.push_back({at_place(tip.at), number_or_dash(tip.K_I), number_or_dash(tip.K_II), number_or_dash(tip.G),
-                    number_or_dash(tip.T)});
+  for (const TipResult& tip : crack.tips) {
+    using Margin = TipResult::Margin;
+    const auto number = [&](const std::optional<double>& value, double Margin::*margin) {
+      const std::string out = number_or_dash(value);
+      return value && tip.margin ? fmt::format("{} ± {:.2g}", out, (*tip.margin).*margin) : out;
+    };
+    rows.push_back({at_place(tip.at), number(tip.K_I, &Margin::K_I), number(tip.K_II, &Margin::K_II),
+                    number(tip.G, &Margin::G), number(tip.T, &Margin::T)});
+  }
   const auto head = [&](const char* name, const Dimension& of) {
     return u.given() ? fmt::format("{} in {}", name, escape_html(unit(u, of))) : std::string(name);
   };

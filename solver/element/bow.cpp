@@ -1,5 +1,6 @@
 #include "solver/element/bow.hpp"
 
+#include "kerf/folded.hpp"
 #include "solver/element/local.hpp"
 
 #include <fmt/core.h>
@@ -81,10 +82,10 @@ Bows bows_of(const Mesh& mesh, const Element& e) {
     const Triangle cell = cell_of(mesh, bows, static_cast<Index>(t));
     if (!is_curved(cell) || !folds(cell)) continue;
     const Vec2 at = centroid(cell);
-    throw Error(Fault::Numerics,
-                fmt::format("the curved side at ({:.6g}, {:.6g}) folds the triangle beside it; make mesh.size smaller, "
-                            "or leave out mesh.curved",
-                            at.x(), at.y()));
+    throw FoldedTriangle(
+        fmt::format("the curved side at ({:.6g}, {:.6g}) folds the triangle beside it; make mesh.size smaller, or use "
+                    "mesh.curved = false",
+                    at.x(), at.y()));
   }
   return bows;
 }

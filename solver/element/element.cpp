@@ -46,6 +46,10 @@ std::string listed(const std::vector<std::string>& words, std::string_view last)
 
 }  // namespace
 
+bool has_degree(std::string_view name, int degree) {
+  return std::ranges::any_of(elements, [&](const Element& e) { return e.name == name && e.degree == degree; });
+}
+
 const Element& element(std::string_view name, int degree) {
   std::string known, degrees;
   for (const Element& e : elements) {

@@ -11,11 +11,10 @@
 #include <string>
 #include <vector>
 
+namespace kerf::commands_test {
 namespace {
 
 using nlohmann::json;
-
-constexpr double pi = 3.14159265358979323846;
 
 // A square of Young's modulus 2 in plane stress.
 const std::string square = R"([domain]
@@ -219,3 +218,4 @@ TEST_F(Commands, SweepRunsACasePerValue) {
 }
 
 }  // namespace
+}  // namespace kerf::commands_test

@@ -39,6 +39,7 @@ s2 = "2*x*y/r2"
 on = "outer"
 traction = ["(1 - c2/r2)*nx - s2/r2*ny", "-s2/r2*nx + (1 + c2/r2)*ny"]
 [mesh]
+curved = false
 {}
 [solver]
 degree = 2

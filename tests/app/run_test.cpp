@@ -387,6 +387,8 @@ on = "outer"
 traction = ["ny", "nx - {} * ny"]
 [mesh]
 size = 0.1
+[solver]
+degree = 1
 )",
                                                          pressure);
     const Result r = run(read_case(folder.path / "a.toml"), Job::Solve, {.folder = folder.path / "out", .threads = 1});

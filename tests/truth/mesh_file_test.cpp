@@ -130,7 +130,7 @@ Numbers solve_here(const Scenario& s) {
   if (s.crack) scene.laws = {{.kind = CrackLaw::Kind::Open}};
   scene.supports = {{.label = 0, .value = constant(Vec2(0, 0))}};
   scene.tractions = {{.label = 1, .value = constant(Vec2(0.5, 1))}};
-  const Model model = prepare(connect(plain.points, plain.triangles, marked, region), bdms(1), scene, 1);
+  const Model model = prepare(connect(plain.points, plain.triangles, marked, region), bdms(2), scene, 1);
   const State state = solve(model);
   Numbers out{potential_energy(model, state), {}};
   for (const TipIntensity& tip : crack_tips(model, state)) out.K.insert(out.K.end(), {tip.K_I, tip.K_II});
@@ -213,7 +213,7 @@ TEST_F(MeshFileTruth, FacesSlideAlongChordsOfACurveAsAlongTheCurve) {
     Scene scene{.material = plane_strain(1, 0.3)};
     scene.laws = {{.normal = std::move(normal)}};
     scene.tractions = {{.label = 0, .value = [](const Vec2&, const Vec2& n) { return Vec2(-n.x(), -0.2 * n.y()); }}};
-    const Model model = prepare(mesh, bdms(1), scene, 1);
+    const Model model = prepare(mesh, bdms(2), scene, 1);
     return potential_energy(model, solve(model));
   };
   const double curve = energy([](const Vec2&x) { return x.normalized().eval(); }), chords = energy({});

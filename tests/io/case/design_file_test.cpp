@@ -127,11 +127,10 @@ size = 0.15
 [optimize]
 volume = { at_most = 0.95 }
 )"));
-  const Problem p{
-      .frame = c.shape, .scene = c.scene, .sizing = c.sizing, .element = c.element, .objective = c.functional};
+  const Problem p = problem_of(c);
   const FinishedCurves f = finish_curves(p, *c.optimize, scenes::quarter_hole(p, 0.5, 9), {.evaluations = 3}, {});
   const Case back = read_case(folder.write("design.toml", design_case(c, {f.shape, {}, {}, {}}, folder.path)));
-  const Model model = prepare(triangulate(back.shape, back.sizing), back.element, back.scene, 1);
+  const Model model = prepare(triangulate(back.shape, p.sizing), p.element, back.scene, 1);
   const State state = solve(model);
   EXPECT_NEAR(analyze(back.functional, model, state, true).value, f.J, 1e-10 * f.J);
 }

@@ -1,0 +1,99 @@
+#include "app/margins.hpp"
+
+#include "kerf/fracture.hpp"
+#include "solver/error_bars.hpp"
+#include "solver/largest_stress.hpp"
+#include "solver/system.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr double most_triangles = 30000;  // half a second on one processor
+// Times the difference of the two solutions. Beside singular points a higher degree takes a quarter of the error away:
+// that of K falls with the square of the degree at a fixed mesh.
+constexpr double smooth = 1.5, singular = 6;
+constexpr double worth_saying = 0.02;
+
+std::function<bool(const Vec2&)> in_zones(const SingularZones& zones) {
+  return [&zones](const Vec2& x) { return zones.hold(x); };
+}
+
+/// The value that a margin belongs to: what a finer mesh does not change.
+PlacedValue* regular_part(Peak& peak) {
+  return !peak.singular ? &peak.largest : peak.regular ? &*peak.regular : nullptr;
+}
+
+void add_to_tips(const Adapted& adapted, const Model& better, const State& state, std::vector<CrackResult>& cracks) {
+  const bool any = std::ranges::any_of(cracks, [](const CrackResult& crack) { return !crack.tips.empty(); });
+  if (!any) return;
+  const std::vector<TipIntensity> own = crack_tips(adapted.model, adapted.state), finer = crack_tips(better, state);
+  if (own.size() != finer.size()) return;
+  std::size_t i = 0;
+  for (CrackResult& crack : cracks)
+    for (TipResult& tip : crack.tips) {
+      const TipIntensity &a = own[i], &b = finer[i];
+      ++i;
+      if (!tip.K_I || !std::isfinite(a.K_I) || !std::isfinite(b.K_I)) continue;
+      const double K = std::hypot(a.K_I, a.K_II);
+      const auto margin = [](double x, double y, double rings) { return std::max(singular * std::abs(x - y), rings); };
+      tip.margin = {.K_I = margin(a.K_I, b.K_I, a.spread_K_I * K),
+                    .K_II = margin(a.K_II, b.K_II, a.spread_K_II * K),
+                    .G = margin(a.G, b.G, 0),
+                    .T = margin(a.T, b.T, a.spread_T * std::abs(a.T))};
+    }
+}
+
+}  // namespace
+
+bool wants_margins(const Case& c, double triangles) {
+  return c.output.peaks && c.output.margins.value_or(triangles <= most_triangles) && can_be_bettered(c.element) &&
+         is_mixed(c.element) && c.steps.empty();
+}
+
+void refine_peak(const Model& model, const State& state, const PlotData& data, bool plane_strain,
+                 const SingularZones& zones, Peak& von_mises) {
+  PlacedValue* value = regular_part(von_mises);
+  if (!value) return;
+  const std::vector<PointIn> points = points_near_largest(model, data.corners, data.von_mises, in_zones(zones));
+  const Eigen::VectorXd found = von_mises_at(model, state, plane_strain, points);
+  Eigen::Index best = 0;
+  if (found.size() > 0 && std::isfinite(found.maxCoeff(&best)))
+    *value = {points[static_cast<std::size_t>(best)].x, found[best]};
+}
+
+void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& result,
+                 std::vector<CrackResult>& cracks) {
+  const Model& m = adapted.model;
+  if (!wants_margins(c, static_cast<double>(m.mesh.triangles.size())) || has_large_contact(m)) return;
+  const Model better = prepare(m.mesh, better_element(c.element), m.scene, m.threads);
+  const State state = solve(better, c.contact);
+  if (!certified(state)) return;
+  const SingularZones zones = singular_zones(m, extent(c.shape));
+  const double safety = zones.points.empty() ? smooth : singular;
+  if (PlacedValue* stress = result.von_mises ? regular_part(*result.von_mises) : nullptr) {
+    const std::vector<PointIn> points = points_near_largest(m, data.corners, data.von_mises, in_zones(zones));
+    stress->margin = safety * difference_of(von_mises_at(m, adapted.state, c.plane_strain, points),
+                                            von_mises_at(better, state, c.plane_strain, points));
+    if (*stress->margin > worth_saying * stress->value)
+      result.notes.push_back(
+          fmt::format("the largest von Mises stress is known to {:.2g} % only: mesh.size = {:.2g} instead of {:.2g}, "
+                      "or solver.degree "
+                      "= {}, makes that less",
+                      100 * *stress->margin / stress->value, 0.5 * quality(m.mesh).h_max, quality(m.mesh).h_max,
+                      std::min(4, c.element.degree + 1)));
+  }
+  if (result.displacement) {
+    const Points u = corner_values(better, state, data.corners).displacement;
+    const double difference = (u - data.values.displacement).colwise().norm().maxCoeff();
+    result.displacement->largest.margin = safety * difference;
+  }
+  add_to_tips(adapted, better, state, cracks);
+}
+
+}  // namespace kerf
