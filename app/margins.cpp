@@ -80,13 +80,14 @@ void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, St
     const std::vector<PointIn> points = points_near_largest(m, data.corners, data.von_mises, in_zones(zones));
     stress->margin = safety * difference_of(von_mises_at(m, adapted.state, c.plane_strain, points),
                                             von_mises_at(better, state, c.plane_strain, points));
-    if (*stress->margin > worth_saying * stress->value)
-      result.notes.push_back(
-          fmt::format("the largest von Mises stress is known to {:.2g} % only: mesh.size = {:.2g} instead of {:.2g}, "
-                      "or solver.degree "
-                      "= {}, makes that less",
-                      100 * *stress->margin / stress->value, 0.5 * quality(m.mesh).h_max, quality(m.mesh).h_max,
-                      std::min(4, c.element.degree + 1)));
+    if (*stress->margin > worth_saying * stress->value) {
+      const double size = quality(m.mesh).h_max;
+      const std::string finer = c.mesh ? std::string("a finer mesh in domain.file")
+                                       : fmt::format("mesh.size = {:.2g} instead of {:.2g}", 0.5 * size, size);
+      result.notes.push_back(fmt::format(
+          "the largest von Mises stress is known to {:.2g} % only: {}, or solver.degree = {}, makes that less",
+          100 * *stress->margin / stress->value, finer, std::min(4, c.element.degree + 1)));
+    }
   }
   if (result.displacement) {
     const Points u = corner_values(better, state, data.corners).displacement;
