@@ -18,6 +18,8 @@ constexpr double most_triangles = 30000;  // half a second on one processor
 // Times the difference of the two solutions. Beside singular points a higher degree takes a quarter of the error away:
 // that of K falls with the square of the degree at a fixed mesh.
 constexpr double smooth = 1.5, singular = 6;
+// Where the two differ by more than a twentieth the mesh is too coarse for either.
+constexpr double too_coarse = 0.05, coarse = 3;
 constexpr double worth_saying = 0.02;
 
 std::function<bool(const Vec2&)> in_zones(const SingularZones& zones) {
@@ -78,8 +80,9 @@ void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, St
   const double safety = zones.points.empty() ? smooth : singular;
   if (PlacedValue* stress = result.von_mises ? regular_part(*result.von_mises) : nullptr) {
     const std::vector<PointIn> points = points_near_largest(m, data.corners, data.von_mises, in_zones(zones));
-    stress->margin = safety * difference_of(von_mises_at(m, adapted.state, c.plane_strain, points),
+    const double difference = difference_of(von_mises_at(m, adapted.state, c.plane_strain, points),
                                             von_mises_at(better, state, c.plane_strain, points));
+    stress->margin = (difference > too_coarse * stress->value ? std::max(safety, coarse) : safety) * difference;
     if (*stress->margin > worth_saying * stress->value) {
       const double size = quality(m.mesh).h_max;
       const std::string finer = c.mesh ? std::string("a finer mesh in domain.file")

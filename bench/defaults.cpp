@@ -38,7 +38,9 @@ Values solve_case(const ManualEntry& e, Case c, const std::filesystem::path& fol
     std::vector<std::pair<std::string, double>> numbers;
     for (const ManualValue::Take& take : value.takes)
       if (take.run == 0) numbers.emplace_back(take.name, read_number(folder, take.where));
-    found.of.push_back(numbers.size() == value.takes.size() ? value_of(value.quantity, numbers) : nan);
+    // Chords leave out probes on the curve.
+    const bool there = std::ranges::all_of(numbers, [](const auto& n) { return std::isfinite(n.second); });
+    found.of.push_back(there && numbers.size() == value.takes.size() ? value_of(value.quantity, numbers) : nan);
   }
   return found;
 }

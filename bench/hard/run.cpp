@@ -60,7 +60,9 @@ HardRun solve_case(const HardCase& c, const std::string& name, const std::filesy
   const std::filesystem::path path = folder / "cases" / (name + ".toml"), out = folder / "runs" / name;
   for (const auto& [file, bytes] : c.files) write_file(path.parent_path() / file, bytes);
   write_file(path, c.text);
-  HardRun seen{run(read_case(path), Job::Solve, {.folder = out}), {}};
+  Case asked = read_case(path);
+  asked.output.margins = false;
+  HardRun seen{run(asked, Job::Solve, {.folder = out}), {}};
   if (std::filesystem::exists(out / "probe_p.csv")) seen.probe = read_probe(out / "probe_p.csv");
   return seen;
 }

@@ -23,7 +23,7 @@ constexpr int picture_width = 500;  // pixels
 Index run_case(const std::filesystem::path& path, const std::vector<std::string>& overrides,
                const std::filesystem::path& folder, bool small) {
   Case c = read_case(path, overrides);
-  c.output = {.vtk = false, .png = !small, .html = false};
+  c.output = {.vtk = false, .png = !small, .html = false, .margins = false};
   const Result result = run(c, Job::Run, {.folder = folder});
   if (result.status != "ok")
     throw Error(Fault::Numerics, fmt::format("{}: {}", result.status, result.reason.value_or("no reason given")));
