@@ -53,10 +53,13 @@ std::string why_chords(const Case& c) {
 void read_curved(const Value& document, Case& c) {
   const auto mesh = find_table(document, "mesh");
   const auto curved = mesh ? find(*mesh, "curved") : std::nullopt;
-  if (curved && curved->node->kind == Node::Kind::String)
-    choice(*curved);  // "auto"
-  else if (curved)
+  if (curved && curved->node->kind == Node::Kind::String) {
+    if (text(*curved) != "auto")
+      fail(curved->node->position,
+           fmt::format("{} is true, false or \"auto\", not \"{}\"", curved->name, text(*curved)));
+  } else if (curved) {
     c.curved = boolean(*curved);
+  }
   if (c.curved.value_or(false)) {
     if (const auto why = refusal(c.element, can_be_curved))
       fail(curved->node->position, fmt::format("{}: {}", curved->name, *why));

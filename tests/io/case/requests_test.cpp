@@ -84,6 +84,8 @@ TEST(Request, CurvedSidesNeedAnElementAndADrawing) {
   EXPECT_EQ(read(square + "[mesh]\nrefine = 2\n").divisions, 2);
   EXPECT_EQ(error(square + "[mesh]\nrefine = 1\ncurved = true\n"),
             "a.toml:8:10: refine in [mesh] does not go with mesh.curved; leave one of them out");
+  EXPECT_EQ(error(square + "[mesh]\ncurved = 'maybe'\n"),
+            "a.toml:8:10: curved in [mesh] is true, false or \"auto\", not \"maybe\"");
   const std::string curved = "[mesh]\ncurved = true\n";
   EXPECT_TRUE(read(square + curved + "[solver]\ndegree = 2\n").sizing.curved);
   EXPECT_EQ(error(square + curved + "[solver]\nelement = 'peers'\n").substr(0, 34),
@@ -92,6 +94,33 @@ TEST(Request, CurvedSidesNeedAnElementAndADrawing) {
       "[domain]\nfile = '" + meshes::file("gmsh41").string() + "'\n[material]\nyoung = 1\npoisson = 0.3\n";
   EXPECT_EQ(error(file + curved + "[solver]\ndegree = 2\n"),
             "a.toml:7:10: curved in [mesh] goes with a body that is drawn in the case: a file has chords already");
+}
+
+// Edges follow the curves of a body wherever the job can; of the iterations of an optimization never.
+TEST(Request, EdgesFollowCurvesByThemselves) {
+  const std::string hole = "[[hole]]\nname = 'h'\ncircle = { center = [0.5, 0.5], radius = 0.2 }\n";
+  const Case c = read(square + hole);
+  EXPECT_TRUE(c.sizing.curved);
+  EXPECT_EQ(c.element.degree, 2);
+  EXPECT_FALSE(problem_of(c).sizing.curved);
+  EXPECT_EQ(problem_of(c).element.degree, 1);
+  EXPECT_FALSE(read(square).sizing.curved);
+  EXPECT_FALSE(read(square + hole + "[mesh]\ncurved = false\n").sizing.curved);
+  const Case divided = read(square + hole + "[mesh]\nrefine = 1\n");
+  EXPECT_FALSE(divided.sizing.curved);
+  EXPECT_EQ(divided.why_chords, "mesh.refine divides straight triangles");
+  EXPECT_EQ(read(square + hole + "[solver]\nelement = 'afw'\n").element.degree, 2);
+  EXPECT_EQ(read(square + hole + "[solver]\nelement = 'peers'\n").element.degree, 1);
+  EXPECT_NE(read(square + hole + "[solver]\nelement = 'peers'\n").why_chords.find("peers"), std::string::npos);
+  EXPECT_EQ(problem_of(read(square + hole + "[solver]\ndegree = 3\n")).element.degree, 3);
+}
+
+// The arc from the last corner to the first one is the first entry.
+TEST(Request, AnOutlineDoesNotEndWhereItBegins) {
+  EXPECT_NE(error("[domain]\noutline = [[1, 0], [2, 0], [0, 2], { arc_to = [1, 0], center = [0, 0] }]\n"
+                  "sides = ['a', 'b', 'c']\n[material]\nyoung = 1\npoisson = 0.3\n")
+                .find("begin the outline with this arc"),
+            std::string::npos);
 }
 
 }  // namespace
