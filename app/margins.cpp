@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace kerf {
 
@@ -51,31 +52,9 @@ void add_to_tips(const Adapted& adapted, const Model& better, const State& state
     }
 }
 
-}  // namespace
-
-bool wants_margins(const Case& c, double triangles) {
-  return c.output.peaks && c.output.margins.value_or(triangles <= most_triangles) && can_be_bettered(c.element) &&
-         is_mixed(c.element) && c.steps.empty();
-}
-
-void refine_peak(const Model& model, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, Peak& von_mises) {
-  PlacedValue* value = regular_part(von_mises);
-  if (!value) return;
-  const std::vector<PointIn> points = points_near_largest(model, data.corners, data.von_mises, in_zones(zones));
-  const Eigen::VectorXd found = von_mises_at(model, state, plane_strain, points);
-  Eigen::Index best = 0;
-  if (found.size() > 0 && std::isfinite(found.maxCoeff(&best)))
-    *value = {points[static_cast<std::size_t>(best)].x, found[best]};
-}
-
-void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& result,
-                 std::vector<CrackResult>& cracks) {
+void set_margins(const Case& c, const Adapted& adapted, const PlotData& data, const Model& better, const State& state,
+                 StateResult& result, std::vector<CrackResult>& cracks) {
   const Model& m = adapted.model;
-  if (!wants_margins(c, static_cast<double>(m.mesh.triangles.size())) || has_large_contact(m)) return;
-  const Model better = prepare(m.mesh, better_element(c.element), m.scene, m.threads);
-  const State state = solve(better, c.contact);
-  if (!certified(state)) return;
   const SingularZones zones = singular_zones(m, extent(c.shape));
   const double safety = zones.points.empty() ? smooth : singular;
   if (PlacedValue* stress = result.von_mises ? regular_part(*result.von_mises) : nullptr) {
@@ -98,6 +77,41 @@ void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, St
     result.displacement->largest.margin = safety * difference;
   }
   add_to_tips(adapted, better, state, cracks);
+}
+
+}  // namespace
+
+bool wants_margins(const Case& c, double triangles) {
+  return c.output.peaks && c.output.margins.value_or(triangles <= most_triangles) && can_be_bettered(c.element) &&
+         is_mixed(c.element) && c.steps.empty();
+}
+
+void refine_peak(const Model& model, const State& state, const PlotData& data, bool plane_strain,
+                 const SingularZones& zones, Peak& von_mises) {
+  PlacedValue* value = regular_part(von_mises);
+  if (!value) return;
+  const std::vector<PointIn> points = points_near_largest(model, data.corners, data.von_mises, in_zones(zones));
+  const Eigen::VectorXd found = von_mises_at(model, state, plane_strain, points);
+  Eigen::Index best = 0;
+  if (found.size() > 0 && std::isfinite(found.maxCoeff(&best)))
+    *value = {points[static_cast<std::size_t>(best)].x, found[best]};
+}
+
+void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& result,
+                 std::vector<CrackResult>& cracks) {
+  if (!wants_margins(c, static_cast<double>(adapted.model.mesh.triangles.size())) || has_large_contact(adapted.model))
+    return;
+  try {
+    const Model better =
+        prepare(adapted.model.mesh, better_element(c.element), adapted.model.scene, adapted.model.threads);
+    const State state = solve(better, c.contact);
+    if (certified(state)) set_margins(c, adapted, data, better, state, result, cracks);
+  } catch (const Error& e) {  // too large for one degree more: the state is there without margins
+    if (e.fault != Fault::Numerics) throw;
+    result.notes.push_back(fmt::format("no margins: {}", e.what()));
+  } catch (const std::bad_alloc&) {
+    result.notes.emplace_back("no margins: one degree more needs more memory than there is");
+  }
 }
 
 }  // namespace kerf
