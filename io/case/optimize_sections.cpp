@@ -265,7 +265,7 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, c
   if (const auto why = wrong_load_cases(c.functional, r))
     fail(find_tables(document, "load_case").front().node->position, *why);
   if (level_set) {
-    read_level_set(table, folder, std::move(frozen), c, r);
+    read_level_set(table, folder, frozen, c, r);
   } else {
     if (const auto distance = find(table, "min_distance")) r.min_distance = length(*distance, extent(c.shape));
     r.design = read_design(table, c);
