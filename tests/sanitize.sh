@@ -10,7 +10,7 @@ all=(engine program maps designs files)
 describe() {  # describe PART: its rooms, targets and minutes
   case $1 in
     engine) rooms="geometry solver" targets="test_geometry test_solver" minutes=25 ;;
-    program) rooms="app tests/fuzz" targets="kerf kerf_vtk_module kerf-fuzz" minutes=15 ;;
+    program) rooms="app tests/fuzz" targets="kerf kerf_vtk_module kerf-fuzz" minutes=22 ;;
     maps) rooms="topo" targets="test_topo" minutes=20 ;;
     designs) rooms="optimize" targets="test_optimize" minutes=15 ;;
     files) rooms="io plot python" targets="kerf_python test_io test_plot" minutes=10 ;;
