@@ -223,10 +223,6 @@ void note_loads(Notes& notes, const Scene& scene) {
     notes.push_back("nothing acts on the body: the solution is zero");
 }
 
-}  // namespace
-
-namespace {
-
 /// As a run would have them: no curved edges where one of them would fold its triangle.
 Bows bows_as_solved(const Case& c, const Mesh& mesh) {
   try {

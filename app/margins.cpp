@@ -32,23 +32,23 @@ PlacedValue* regular_part(Peak& peak) {
   return !peak.singular ? &peak.largest : peak.regular ? &*peak.regular : nullptr;
 }
 
-void add_to_tips(const Adapted& adapted, const Model& better, const State& state, std::vector<CrackResult>& cracks) {
+/// From what the better solution has at the same tips, in the same order.
+void add_to_tips(const Model& better, const State& state, std::vector<CrackResult>& cracks) {
   const bool any = std::ranges::any_of(cracks, [](const CrackResult& crack) { return !crack.tips.empty(); });
   if (!any) return;
-  const std::vector<TipIntensity> own = crack_tips(adapted.model, adapted.state), finer = crack_tips(better, state);
-  if (own.size() != finer.size()) return;
+  const auto margin = [](double x, double y, double rings) { return std::max(singular * std::abs(x - y), rings); };
+  const std::vector<TipIntensity> finer = crack_tips(better, state);
   std::size_t i = 0;
   for (CrackResult& crack : cracks)
     for (TipResult& tip : crack.tips) {
-      const TipIntensity &a = own[i], &b = finer[i];
-      ++i;
-      if (!tip.K_I || !std::isfinite(a.K_I) || !std::isfinite(b.K_I)) continue;
-      const double K = std::hypot(a.K_I, a.K_II);
-      const auto margin = [](double x, double y, double rings) { return std::max(singular * std::abs(x - y), rings); };
-      tip.margin = {.K_I = margin(a.K_I, b.K_I, a.spread_K_I * K),
-                    .K_II = margin(a.K_II, b.K_II, a.spread_K_II * K),
-                    .G = margin(a.G, b.G, 0),
-                    .T = margin(a.T, b.T, a.spread_T * std::abs(a.T))};
+      if (i == finer.size()) return;
+      const TipIntensity& b = finer[i++];
+      if (!tip.K_I || !tip.spread || !std::isfinite(b.K_I)) continue;
+      const double K = std::hypot(*tip.K_I, *tip.K_II), T = tip.T.value_or(nan);
+      tip.margin = {.K_I = margin(*tip.K_I, b.K_I, tip.spread->K_I * K),
+                    .K_II = margin(*tip.K_II, b.K_II, tip.spread->K_II * K),
+                    .G = margin(*tip.G, b.G, 0),
+                    .T = margin(T, b.T, tip.spread->T * std::abs(T))};
     }
 }
 
@@ -76,7 +76,7 @@ void set_margins(const Case& c, const Adapted& adapted, const PlotData& data, co
     const double difference = (u - data.values.displacement).colwise().norm().maxCoeff();
     result.displacement->largest.margin = safety * difference;
   }
-  add_to_tips(adapted, better, state, cracks);
+  add_to_tips(better, state, cracks);
 }
 
 }  // namespace
