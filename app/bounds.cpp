@@ -102,6 +102,30 @@ std::string polygon_note(const BoundsTask& task) {
   return arcs_of(task.body.shape).empty() || task.body.sizing.curved ? "" : of_polygon;
 }
 
+/// Why an interval is an estimate, whatever is bounded.
+std::string estimate_note(const BoundsTask& task, const Model& m) {
+  std::string polygon = polygon_note(task);
+  return polygon.empty() ? sampled_note(m) : polygon;
+}
+
+/// A value found in another way is a witness: where it lies outside, by more than it is unsure of itself, one of the
+/// two is wrong. `by`: what it was found from.
+void confront(Bounded& b, double witness, double unsure, const char* by) {
+  const double outside = std::max(b.lower - witness, witness - b.upper);
+  if (outside > unsure)
+    qualify(b, fmt::format("the bounds are estimates: {} gives {:.6g}, which they do not hold", by, witness));
+}
+
+/// K by the rings about a tip is right to a hundredth or so on the meshes that are made for tips.
+void confront(TipBounds& b, const TipIntensity& tip) {
+  constexpr double unsure = 0.02;
+  const double size = std::hypot(tip.K_I, tip.K_II);
+  const char* rings = "the integral over rings about the tip";
+  confront(b.K_I, tip.K_I, (unsure + tip.spread_K_I) * size, rings);
+  confront(b.K_II, tip.K_II, (unsure + tip.spread_K_II) * size, rings);
+  if (!b.K_I.guaranteed || !b.K_II.guaranteed) qualify(b.G, b.K_I.guaranteed ? b.K_II.note : b.K_I.note);
+}
+
 struct GoalBound {
   Bounded interval;
   std::vector<Eigen::VectorXd> eta;  // of the dual solutions
@@ -114,8 +138,12 @@ GoalBound bound_goal(const BoundsTask& task, const GoalRequest& goal, const Mode
   }
   const QuantityBounds bounds(m, s, true);
   if (goal.crack != none) {
-    TipIntensity at{.crack = goal.crack, .at_start = goal.at_start};
-    const TipBounds tip = bounds.tip(at);
+    const std::vector<TipIntensity> tips = crack_tips(m, s);
+    const auto at = std::ranges::find_if(
+        tips, [&](const TipIntensity& t) { return t.crack == goal.crack && t.at_start == goal.at_start; });
+    if (at == tips.end()) return {bounds.tip({.crack = goal.crack, .at_start = goal.at_start}).K_I, {}};
+    TipBounds tip = bounds.tip(*at);
+    confront(tip, *at);
     return {goal.quantity == "K_I" ? tip.K_I : goal.quantity == "K_II" ? tip.K_II : tip.G, tip.eta};
   }
   StressBounds stress = bounds.stress(goal.at);
@@ -151,13 +179,13 @@ Indicator goal_indicator(const BoundsTask& task, const GoalRequest& goal, const 
   return refine_for(own, b, bound.eta);
 }
 
-std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vector<Vec2>& points,
+std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const Model& m, const std::vector<Vec2>& points,
                                           const QuantityBounds& bounds) {
-  const std::string polygon = polygon_note(task);
+  const std::string estimate = estimate_note(task, m);
   std::vector<BoundedStress> out;
   for (const StressBounds& s : bounds.all({.points = points}).points) {
     out.push_back({s.s11, s.s22, s.s12});
-    for (Bounded* b : {&out.back().s_xx, &out.back().s_yy, &out.back().s_xy}) qualify(*b, polygon);
+    for (Bounded* b : {&out.back().s_xx, &out.back().s_yy, &out.back().s_xy}) qualify(*b, estimate);
   }
   return out;
 }
@@ -166,7 +194,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
                               int threads) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
-  const std::string polygon = polygon_note(task);
+  const std::string estimate = estimate_note(task, model);
   const QuantityBounds bounds(model, state);
   BoundsResult out;
   QuantityRequest wanted = requested(request, model);
@@ -178,15 +206,18 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
     if (!free) wanted.tips = tips;
   }
   QuantityIntervals found = bounds.all(wanted);
-  out.tips = tips_of(task, tips, free ? QuantityBounds(free->model, free->state).all({.tips = tips}).tips : found.tips);
+  std::vector<TipBounds> of_tips =
+      free ? QuantityBounds(free->model, free->state).all({.tips = tips}).tips : std::move(found.tips);
+  for (std::size_t i = 0; i < tips.size(); ++i) confront(of_tips[i], tips[i]);
+  out.tips = tips_of(task, tips, of_tips);
   for (BoundedTip& t : out.tips)
-    for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, free ? of_opened : polygon);
+    for (Bounded* b : {&t.K_I, &t.K_II, &t.G}) qualify(*b, free ? of_opened : estimate);
   out.points = points_of(task, request.points, model, std::move(found.points));
   for (BoundedPoint& p : out.points)
-    for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, polygon);
+    for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, estimate);
   out.means = means_of(task, request, model, found, bounds);
   for (BoundedMean& m : out.means)
-    for (Bounded& b : m.quantities) qualify(b, polygon);
+    for (Bounded& b : m.quantities) qualify(b, estimate);
   return out;
 }
 

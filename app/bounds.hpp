@@ -27,7 +27,7 @@ struct BoundedStress {
   Bounded s_xx, s_yy, s_xy;
 };
 /// Of the points of a probe, in their order; `bounds` are those of the body's state.
-std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const std::vector<Vec2>& points,
+std::vector<BoundedStress> bound_stresses(const BoundsTask& task, const Model& model, const std::vector<Vec2>& points,
                                           const QuantityBounds& bounds);
 
 /// What [bounds] asks for, of the body that `adapted` is a solution of. Solves again where cracks that may touch are

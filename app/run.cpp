@@ -506,7 +506,8 @@ std::vector<std::vector<BoundedStress>> bound_probes(const Outcome& out, Journal
   const BoundsTask task{body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain};
   const QuantityBounds bounds(out.solved.adapted.model, out.solved.adapted.state);
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (const Probe& probe = out.c.probes[i]; probe.bounds) all[i] = bound_stresses(task, probe.points, bounds);
+    if (const Probe& probe = out.c.probes[i]; probe.bounds)
+      all[i] = bound_stresses(task, out.solved.adapted.model, probe.points, bounds);
   journal.seconds.bounds += journal.lap();
   return all;
 }

@@ -30,6 +30,13 @@ std::string in_crack(std::string_view what, const std::string& name) {
 
 }  // namespace
 
+std::string sampled_note(const Model& m) {
+  for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
+    if (!u.stops_bounds)
+      return fmt::format("the bounds are estimates: {} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
+  return {};
+}
+
 std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data,
                                        const Shape& shape) {
   std::vector<std::string> notes;
@@ -158,7 +165,10 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   StateSection s{state_result(model, state, adapted.indicator), {}, {}};
   journal.seconds.recover += journal.lap();
   if (c.output.energy_bounds) {
-    add_energy_bounds(energy_bounds(model, state), s.state);
+    EnergyBounds bounds = energy_bounds(model, state);
+    if (const std::string sampled = sampled_note(model); bounds.guaranteed && !sampled.empty())
+      bounds.guaranteed = false, bounds.note = sampled;
+    add_energy_bounds(bounds, s.state);
     journal.seconds.energy_bounds += journal.lap();
   }
   s.cracks = crack_results(model, state, shape, c.output.tips);

@@ -38,8 +38,9 @@ struct EdgeOf {
   const Bows& bows;
   Index edge;
 };
-/// The same on an edge of a mesh. A curved one is sampled, with the normal of the curve; `density`: times |dx/ds| over
-/// the length of the chord, so that length times weight integrates a traction as on straight edges.
+EdgeLine edge_line(const EdgeOf& of);
+/// The same on an edge of a mesh, with the normal of the curve; `density`: times |dx/ds| over the length of the chord,
+/// so that length times weight integrates a traction as on straight edges.
 EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* what, bool density, double size = 0);
 /// The largest value that is known of f on the edge, where that is finite; else 0.
 double size_on(const BoundaryField& f, const EdgeLine& edge);

@@ -17,9 +17,15 @@ struct Interval {
   double low = -infinity, high = infinity;
 };
 
-/// a + s (b - a) for 0 <= s <= 1, with the outward unit normal n: an edge of the boundary.
+/// x(s) = a + s (b - a) + s (1 - s) (bow[0] + bow[1] s + bow[2] s^2) for 0 <= s <= 1: an edge of the boundary, with the
+/// outward unit normal n of its chord. Where it is curved, data are given the normal of the curve.
 struct EdgeLine {
   Vec2 a, b, n;
+  std::array<Vec2, 3> bow = {Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
+  bool density = false;  // data count per length of the chord: times |dx/ds| / |b - a|
+  bool is_straight() const {
+    return bow[0].isZero(0) && bow[1].isZero(0) && bow[2].isZero(0);
+  }
 };
 
 /// f = regular + factor d^exponent next to an end of a piece, d the distance from it in s, both parts smooth.
@@ -49,6 +55,13 @@ class Enclosure {
   virtual OnPiece along(const EdgeLine& edge, double from, double to) const = 0;
   /// Over the box x * y, away from boundaries: where a normal is asked for, the whole line.
   virtual std::array<Interval, 2> over(const Interval& x, const Interval& y) const = 0;
+  /// At least |d^order f(x + t h)/dt^order|/order! for all x in the box and all steps h = (dx, dy): what a polynomial
+  /// of degree order - 1 about the middle of the box leaves of f where the steps lead from there to all of it (Taylor's
+  /// remainder). `order` up to 8; infinite where it is not known.
+  virtual std::array<double, 2> remainder(const Interval&, const Interval&, const Interval&, const Interval&,
+                                          int) const {
+    return {infinity, infinity};
+  }
   /// Degree of the polynomial in x and y that the field is, or -1.
   virtual int degree() const = 0;
 };

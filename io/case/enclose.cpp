@@ -15,17 +15,67 @@ struct Variables {
   int order;
 };
 
-Variables on_box(const Interval& x, const Interval& y) {
-  Variables v{.order = 0};
-  v.of[0].c[0] = x;
-  v.of[1].c[0] = y;
-  v.of[2].c[0] = v.of[3].c[0] = whole_line;
+/// What f(x + t h) has along all steps h from all places of a box; where a normal is asked for, the whole line.
+Variables about_box(const Interval& x, const Interval& y, const Interval& dx, const Interval& dy, int order) {
+  Variables v{.order = order};
+  const TaylorArithmetic with(order);
+  v.of = {with.constant(x), with.constant(y), with.range(whole_line), with.range(whole_line)};
+  if (order > 0) v.of[0].c[1] = dx, v.of[1].c[1] = dy;
   return v;
+}
+
+/// The coefficients of x(s) - a, from s on.
+std::array<std::array<Interval, 5>, 2> powers_of(const EdgeLine& edge) {
+  std::array<std::array<Interval, 5>, 2> p;
+  for (int d = 0; d < 2; ++d) {
+    const Interval side = edge.b[d] == edge.a[d] ? exactly(0) : widened(edge.b[d] - edge.a[d], edge.b[d] - edge.a[d]);
+    const auto q = [&](int k) { return exactly(edge.bow[static_cast<std::size_t>(k)][d]); };
+    p[static_cast<std::size_t>(d)] = {exactly(0), side + q(0), q(1) - q(0), q(2) - q(1), -q(2)};
+  }
+  return p;
+}
+
+/// The place along a curved edge, the unit normal of the curve, and |dx/ds| over the length of the chord.
+struct OnCurve {
+  std::array<Taylor, 2> x, n;
+  Taylor stretch;
+};
+OnCurve on_curve(const EdgeLine& edge, double from, double to, int order) {
+  static constexpr std::array<std::array<double, 5>, 5> binomial{
+      {{1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}}};
+  const TaylorArithmetic with(order);
+  const auto powers = powers_of(edge);
+  const Interval s{from, to};
+  OnCurve c;
+  std::array<Taylor, 2> slope;
+  for (std::size_t d = 0; d < 2; ++d) {
+    c.x[d] = slope[d] = with.constant(exactly(0));
+    for (std::size_t k = 0; k < 5; ++k) {  // of the power k of t in x(s + t)
+      Interval sum = exactly(0);
+      for (std::size_t i = 4; i > k; --i) sum = (sum + exactly(binomial[i][k]) * powers[d][i]) * s;
+      sum = sum + (k == 0 ? exactly(edge.a[static_cast<int>(d)]) : powers[d][k]);
+      if (static_cast<int>(k) <= order) c.x[d].c[k] = sum;
+      if (k > 0 && static_cast<int>(k) - 1 <= order) slope[d].c[k - 1] = exactly(static_cast<double>(k)) * sum;
+    }
+  }
+  const Taylor speed = with.square_root(with.add(with.square(slope[0]), with.square(slope[1])));
+  const Vec2 chord = edge.b - edge.a;
+  const double side = cross(chord, edge.n) > 0 ? -1 : 1;  // the normal is on this side of (y', -x')
+  c.n[0] = with.divide(with.multiply(with.constant(exactly(side)), slope[1]), speed);
+  c.n[1] = with.divide(with.multiply(with.constant(exactly(-side)), slope[0]), speed);
+  const double length = chord.norm();
+  c.stretch = with.divide(speed, with.constant(widened(length, length, library_ulps)));
+  return c;
 }
 
 Variables on_piece(const EdgeLine& edge, double from, double to, int order) {
   Variables v{.order = order};
   const TaylorArithmetic with(order);
+  if (!edge.is_straight()) {
+    const OnCurve c = on_curve(edge, from, to, order);
+    v.of = {c.x[0], c.x[1], c.n[0], c.n[1]};
+    return v;
+  }
   for (int d = 0; d < 2; ++d) {
     const double step = edge.b[d] - edge.a[d];
     const Interval side = step == 0 ? exactly(0) : widened(step, step);
@@ -194,6 +244,14 @@ class Evaluation {
     return with_.range(hull(yes, no));
   }
 
+  /// atan2 turns over where its first argument passes 0 and the second one is negative.
+  Taylor angle(const SyntaxNode& n) {
+    const Taylor &y = sharp(n.of[0]), &x = sharp(n.of[1]);
+    if (x.c[0].low > 0 || !contains(y.c[0], 0)) return with_.arc_tangent(y, x);
+    if (is(y.c[0], 0) && is_constant(y) && x.c[0].high < 0) return with_.constant(widened(pi, pi));
+    return open(n.of[0], 0, {-above(pi), above(pi)});
+  }
+
   Taylor call(const SyntaxNode& n) {
     const Breaking kind = breaking(n.argument);
     if (kind == Breaking::No) {
@@ -201,6 +259,7 @@ class Evaluation {
       for (const int k : n.of) arguments.push_back(sharp(k));
       return kerf::evaluate(n.argument, arguments, with_);
     }
+    if (kind == Breaking::Angle) return angle(n);
     const int test = n.of.back();
     const Taylor g = sharp(test);
     const Interval& c = g.c[0];
@@ -389,7 +448,11 @@ ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLin
   const Variables at_low = on_piece(edge, from, from, 0), at_high = on_piece(edge, to, to, 0),
                   here = on_piece(edge, from, to, taylor_order);
   Evaluation low(*syntax, at_low), high(*syntax, at_high), values(*syntax, here, low, high);
-  const Taylor f = values.root();
+  const bool straight = edge.is_straight();
+  const Taylor f =
+      straight || !edge.density
+          ? values.root()
+          : TaylorArithmetic(taylor_order).multiply(values.root(), on_curve(edge, from, to, taylor_order).stretch);
   ScalarOnPiece piece{f.c[0], eighth_of(f), std::nullopt, std::nullopt};
   if (std::isfinite(piece.eighth)) return piece;
   for (const Undecided& what : values.undecided) {
@@ -398,14 +461,21 @@ ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLin
     piece.cut = passage(*syntax, edge, from, to, what);
     if (piece.cut) return piece;
   }
-  if (values.undecided.empty() && values.singular.size() == 1)
+  if (straight && values.undecided.empty() && values.singular.size() == 1)
     piece.power = part_at_power(syntax, edge, from, to, values.singular[0], values);
   return piece;
 }
 
 Interval enclose(const Syntax& syntax, const Interval& x, const Interval& y) {
-  const Variables here = on_box(x, y);
+  const Variables here = about_box(x, y, exactly(0), exactly(0), 0);
   return Evaluation(syntax, here).root().c[0];
+}
+
+double remainder(const Syntax& syntax, const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
+                 int order) {
+  const Variables here = about_box(x, y, dx, dy, order);
+  const double bound = magnitude(Evaluation(syntax, here).root().c[static_cast<std::size_t>(order)]);
+  return std::isnan(bound) ? infinity : bound;
 }
 
 }  // namespace kerf

@@ -27,6 +27,10 @@ class OfFormulas final : public Enclosure {
   std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
     return {enclose(*parts_[0], x, y), enclose(*parts_[1], x, y)};
   }
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
+                                  int order) const override {
+    return {kerf::remainder(*parts_[0], x, y, dx, dy, order), kerf::remainder(*parts_[1], x, y, dx, dy, order)};
+  }
   int degree() const override {
     const int first = degree_of(*parts_[0]), second = degree_of(*parts_[1]);
     return first < 0 || second < 0 ? -1 : std::max(first, second);
@@ -62,13 +66,14 @@ class OfFormulas final : public Enclosure {
   std::array<std::shared_ptr<const Syntax>, 2> parts_;
 };
 
-/// M(n) times a field.
+/// M(n) times a field: on straight edges.
 class Mapped final : public Enclosure {
  public:
   Mapped(std::shared_ptr<const Enclosure> field, std::function<Mat2(const Vec2&)> map)
       : field_(std::move(field)), map_(std::move(map)) {}
 
   OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    if (!edge.is_straight()) return {};
     const Mat2 m = map_(edge.n);
     const OnPiece before = field_->along(edge, from, to);
     OnPiece piece = before;
@@ -114,6 +119,17 @@ std::shared_ptr<const Enclosure> known(const Formula& first, const Formula& seco
   return std::make_shared<OfFormulas>(first.syntax, second.syntax);
 }
 
+/// -p n_d.
+std::shared_ptr<const Syntax> times_minus_normal(const Syntax& p, int d) {
+  using Kind = SyntaxNode::Kind;
+  auto product = std::make_shared<Syntax>(p);
+  const int value = static_cast<int>(product->nodes.size()) - 1;
+  product->nodes.push_back({.kind = Kind::Variable, .argument = 2 + d});
+  product->nodes.push_back({.kind = Kind::Multiply, .of = {value, value + 1}});
+  product->nodes.push_back({.kind = Kind::Negate, .of = {value + 2}});
+  return product;
+}
+
 BoundaryField mapped(const BoundaryField& field, const std::function<Mat2(const Vec2&)>& map) {
   return BoundaryField([field, map](const Vec2& x, const Vec2& n) { return Vec2(map(n) * field(x, n)); },
                        field.known() ? std::make_shared<Mapped>(field.known(), map) : nullptr);
@@ -140,8 +156,11 @@ VectorField body_field(const Formula& first, const Formula& second) {
 }
 
 BoundaryField pressure_field(const Formula& pressure) {
-  return mapped(vector_field(pressure, nothing()),
-                [](const Vec2& n) { return Mat2((Mat2() << -n.x(), 0, -n.y(), 0).finished()); });
+  std::array<std::shared_ptr<const Syntax>, 2> parts;
+  if (pressure.syntax)
+    for (int d = 0; d < 2; ++d) parts[static_cast<std::size_t>(d)] = times_minus_normal(*pressure.syntax, d);
+  return BoundaryField([p = pressure.value](const Vec2& x, const Vec2& n) { return Vec2(-p(x, n) * n); },
+                       pressure.syntax ? std::make_shared<OfFormulas>(parts[0], parts[1]) : nullptr);
 }
 
 BoundaryField without_normal_part(const BoundaryField& field) {

@@ -108,7 +108,7 @@ const Function table[] = {
     {"asin", Breaking::No, 1, 1, free<inverse_sine>},
     {"acos", Breaking::No, 1, 1, free<inverse_cosine>},
     {"atan", Breaking::No, 1, 1, free<inverse_tangent>},
-    {"atan2", Breaking::No, 2, 2, [](Arguments a, const Arithmetic& with) { return with.arc_tangent(a[0], a[1]); }},
+    {"atan2", Breaking::Angle, 2, 2, nullptr},
     {"sinh", Breaking::No, 1, 1, free<hyperbolic_sine>},
     {"cosh", Breaking::No, 1, 1, free<hyperbolic_cosine>},
     {"tanh", Breaking::No, 1, 1, member<&TaylorArithmetic::hyperbolic_tangent>},

@@ -12,8 +12,9 @@ namespace kerf {
 int function_called(std::string_view name);
 bool takes_arguments(int function, std::size_t count);
 
-/// Functions that are not smooth are undecided where their argument may be at a break: abs, sign, min, max, rint.
-enum class Breaking { No, Abs, Sign, Min, Max, Rint };
+/// Functions that are not smooth are undecided where their argument may be at a break: abs, sign, min, max, rint,
+/// atan2.
+enum class Breaking { No, Abs, Sign, Min, Max, Rint, Angle };
 Breaking breaking(int function);
 
 /// Of a function that does not break.

@@ -56,6 +56,9 @@ struct ScalarOnPiece {
 };
 ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLine& edge, double from, double to);
 Interval enclose(const Syntax& syntax, const Interval& x, const Interval& y);
+/// As Enclosure::remainder, of a scalar.
+double remainder(const Syntax& syntax, const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
+                 int order);
 /// Degree of a polynomial in x and y (with normals as constants), or -1.
 int degree_of(const Syntax& syntax);
 

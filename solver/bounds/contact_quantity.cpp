@@ -162,17 +162,13 @@ struct ContactQuantityBounds::Impl {
     const Search s =
         by == Theorem::Concavity ? by_chords(w, energy_bounds(dual, tied)) : by_works(w, strain_energy(dual, tied));
     if (!s.lost.empty()) return kerf::lost(s.lost);
+    if (!std::isfinite(known.error)) return kerf::lost(not_integrated);
     Bounded b;
     b.lower = known.value - known.error + s.interval.low;
     b.upper = known.value + known.error + s.interval.high;
     b.value = 0.5 * (b.lower + b.upper);
-    constexpr double negligible = 0.01;
-    const bool resolved = known.error <= negligible * (b.upper - b.lower);
-    b.guaranteed = s.guaranteed && resolved && coarse.empty();
-    if (!b.guaranteed)
-      b.note = !s.guaranteed ? s.note
-               : !resolved   ? std::string("the bounds are estimates: a traction is not resolved by the mesh")
-                             : coarse;
+    b.guaranteed = s.guaranteed && !known.sampled && coarse.empty();
+    if (!b.guaranteed) b.note = !s.guaranteed ? s.note : known.sampled ? std::string(work_sampled) : coarse;
     return b;
   }
 

@@ -1,7 +1,6 @@
 #include "solver/bounds/dual.hpp"
 
 #include "geometry/plane.hpp"
-#include "solver/quadrature.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/Eigenvalues>
@@ -82,36 +81,6 @@ double clear_of_arcs(const Model& m, const Vec2& x) {
   return std::max(least, 0.0);
 }
 
-/// int t.G over the tractions t of u; the error by halved edges.
-Known work_of_tractions(const Model& m, const Nucleus& G) {
-  static const EdgeRule rule = gauss(12);
-  Known known;
-  for (const Traction& t : m.scene.tractions)
-    for (const Index e : labeled(m.inner->data, t.label)) {
-      const EdgeLine line = edge_line(m.mesh, e);
-      const bool bowed = bow_at(m.inner->skeleton.bows, e);
-      const auto over = [&](double from, double to) {
-        double work = 0;
-        for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-          if (bowed) {
-            const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, from + rule.s[q] * (to - from));
-            const double stretch = p.slope.norm() / length(m.mesh, e);
-            work += rule.w[q] * (to - from) * stretch *
-                    t.value(p.x, normal_at(p, line.n) / p.slope.norm()).dot(G.displacement(p.x));
-            continue;
-          }
-          const Vec2 x = line.a + (from + rule.s[q] * (to - from)) * (line.b - line.a);
-          work += rule.w[q] * (to - from) * t.value(x, line.n).dot(G.displacement(x));
-        }
-        return work * length(m.mesh, e);
-      };
-      const double halved = over(0, 0.5) + over(0.5, 1);
-      known.value += halved;
-      known.error += std::abs(halved - over(0, 1));
-    }
-  return known;
-}
-
 /// Of a place, which is a line at most, to the segment from a to b.
 double gap(const StressPlace& place, const Vec2& a, const Vec2& b) {
   if (crossing(place.from, place.to, a, b)) return 0;
@@ -158,111 +127,12 @@ DualProblem global_dual(const Model& m, const Nucleus& G, const StressPlace& sin
 
 namespace {
 
-/// 1 within the inner radius, 0 beyond the outer one, three derivatives continuous.
-struct Fade {
-  double inner, outer;
-
-  double operator()(double r) const {
-    const double t = std::clamp((r - inner) / (outer - inner), 0.0, 1.0), t4 = t * t * t * t;
-    return 1 - t4 * (35 + t * (-84 + t * (70 - 20 * t)));
-  }
-  double slope(double r) const {
-    const double t = (r - inner) / (outer - inner);
-    const double both = t * (1 - t);
-    return t <= 0 || t >= 1 ? 0 : -140 * both * both * both / (outer - inner);
-  }
-};
-
 /// The slope of the fading factor at x.
 Vec2 slope_at(const Fade& fade, const Vec2& middle, const Vec2& x) {
   const Vec2 d = x - middle;
   const double r = d.norm();
   const double slope = fade.slope(r);
   return slope == 0 ? Vec2(Vec2::Zero()) : Vec2(slope / r * d);
-}
-
-/// int over 0 < r < radius, by Gauss points in the root of r: what is integrated grows like a power of r at 0.
-template <typename Integrand>
-double over_radius(const Fade& fade, int panels, const Integrand& of) {
-  static const EdgeRule rule = gauss(12);
-  double sum = 0;
-  const std::array ends{0.0, std::sqrt(fade.inner), std::sqrt(fade.outer)};
-  for (std::size_t part = 0; part < 2; ++part)
-    for (int p = 0; p < panels; ++p) {
-      const double step = (ends[part + 1] - ends[part]) / panels, from = ends[part] + p * step;
-      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-        const double root = from + rule.s[q] * step;
-        sum += rule.w[q] * step * 2 * root * of(root * root);
-      }
-    }
-  return sum;
-}
-
-/// The step from 0 to 1 that rests at both ends: what grows there like a logarithm is smooth in t.
-double eased(double t) {
-  return t * t * t * (10 + t * (6 * t - 15));
-}
-double easing(double t) {
-  return 30 * std::pow(t * (1 - t), 2);
-}
-
-/// int f.G of what fades, G rough on a line and on a circle.
-double work_about(const VectorField& f, const Nucleus& G, const CutOffDisc& disc, const Fade& fade, int panels) {
-  static const EdgeRule rule = gauss(12);
-  const double start = std::atan2(disc.along.y(), disc.along.x());
-  constexpr int arcs = 4;
-  const std::array ends{0.0, disc.rough, fade.inner, fade.outer};
-  double sum = 0;
-  for (int arc = 0; arc < arcs; ++arc)
-    for (std::size_t part = 0; part + 1 < ends.size(); ++part)
-      for (int i = 0; i < panels * panels; ++i)
-        for (Eigen::Index p = 0; p < rule.s.size(); ++p)
-          for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-            const double t = (i / panels + rule.s[p]) / panels, s = (i % panels + rule.s[q]) / panels;
-            const double angle = start + 2 * pi / arcs * (arc + eased(t)), wide = ends[part + 1] - ends[part],
-                         r = ends[part] + wide * eased(s);
-            const Vec2 x = disc.middle + r * Vec2(std::cos(angle), std::sin(angle));
-            sum += rule.w[p] * rule.w[q] / (panels * panels) * 2 * pi / arcs * easing(t) * wide * easing(s) * r *
-                   fade(r) * f(x).dot(G.displacement(x));
-          }
-  return sum;
-}
-
-/// int f.G of what fades.
-double work_of_body(const VectorField& f, const Nucleus& G, const CutOffDisc& disc, const Fade& fade, int panels) {
-  static const EdgeRule rule = gauss(12);
-  if (disc.rough > 0) return work_about(f, G, disc, fade, panels);
-  const double start = disc.tip ? std::atan2(disc.tip->frame(1, 0), disc.tip->frame(0, 0)) - pi : 0;
-  const int sectors = 4 * panels;
-  double sum = 0;
-  for (int k = 0; k < sectors; ++k)
-    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const double angle = start + 2 * pi * (k + rule.s[q]) / sectors;
-      const Vec2 way(std::cos(angle), std::sin(angle));
-      sum += rule.w[q] * 2 * pi / sectors * over_radius(fade, panels, [&](double r) {
-               const Vec2 x = disc.middle + r * way;
-               return r * fade(r) * f(x).dot(G.displacement(x));
-             });
-    }
-  return sum;
-}
-
-/// The work of a pressure in the crack on the opening of G.
-double work_of_pressure(const BoundaryField& p, const Nucleus& G, const CutOffDisc& disc, const Fade& fade,
-                        int panels) {
-  const Vec2 along = disc.tip->frame.col(0), up = disc.tip->frame.col(1);
-  constexpr double side = 1e-9;  // of the distance: the faces are the same points
-  return over_radius(fade, panels, [&](double r) {
-    const Vec2 x = disc.middle - r * along;
-    const Vec2 jump = G.displacement(x + side * r * up) - G.displacement(x - side * r * up);
-    return fade(r) * p(x, up).x() * up.dot(jump);
-  });
-}
-
-template <typename Work>
-Known refined(const Work& work) {
-  const double coarse = work(2), fine = work(4);
-  return {fine, std::abs(fine - coarse)};
 }
 
 /// The fields of the ring are sampled in triangles that should be small in it.
@@ -314,13 +184,12 @@ DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc,
                                      return {strain(x)(0, 1), 0};
                                    },
                                    false};
-  if (m.scene.body) dual.known = refined([&](int panels) { return work_of_body(m.scene.body, G, disc, fade, panels); });
+  FadingField fading{G, middle, fade, std::atan2(disc.along.y(), disc.along.x()), disc.rough};
+  if (disc.tip) fading.start = std::atan2(disc.tip->frame(1, 0), disc.tip->frame(0, 0)) - pi;
+  if (m.scene.body) dual.known = work_of_body(m.scene.body, fading);
   if (disc.tip)
-    if (const BoundaryField& p = m.scene.laws[disc.tip->crack].pressure) {
-      const Known more = refined([&](int panels) { return work_of_pressure(p, G, disc, fade, panels); });
-      dual.known.value += more.value;
-      dual.known.error += more.error;
-    }
+    if (const BoundaryField& p = m.scene.laws[disc.tip->crack].pressure)
+      dual.known = dual.known + work_of_pressure(p, fading, disc.tip->frame.col(0));
   return dual;
 }
 

@@ -3,6 +3,7 @@
 
 #include "kerf/bounds.hpp"
 #include "solver/at_rest.hpp"
+#include "solver/bounds/work_of_data.hpp"
 #include "solver/nucleus.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/system.hpp"
@@ -11,11 +12,6 @@
 #include <span>
 
 namespace kerf {
-
-/// A number and what it may be off by.
-struct Known {
-  double value = 0, error = 0;
-};
 
 /// Where the fields G of a point or a tip are cut off: between two circles.
 struct CutOffRing {

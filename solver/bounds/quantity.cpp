@@ -123,17 +123,14 @@ struct QuantityBounds::Impl {
 
   static Bounded interval(const DualProblem& of, const CrossEnergy& cross) {
     if (!std::isfinite(cross.half)) return lost(cross.note);
+    if (!std::isfinite(of.known.error)) return lost(not_integrated);
     Bounded b;
     b.value = of.known.value + cross.middle;
     b.lower = b.value - cross.half - of.known.error;
     b.upper = b.value + cross.half + of.known.error;
-    constexpr double negligible = 0.01;
-    const bool resolved = of.known.error <= negligible * (b.upper - b.lower);
-    b.guaranteed = cross.guaranteed && resolved && of.estimate.empty();
+    b.guaranteed = cross.guaranteed && !of.known.sampled && of.estimate.empty();
     if (!b.guaranteed)
-      b.note = !cross.guaranteed ? cross.note
-               : !resolved       ? std::string("the bounds are estimates: a load is not resolved by the mesh")
-                                 : of.estimate;
+      b.note = !cross.guaranteed ? cross.note : of.known.sampled ? std::string(work_sampled) : of.estimate;
     return b;
   }
 

@@ -1,5 +1,6 @@
 #include "solver/data.hpp"
 #include "solver/data/jacobi.hpp"
+#include "solver/data/left_out.hpp"
 
 #include "solver/element/local.hpp"
 
@@ -60,11 +61,6 @@ const Eigen::Matrix<double, data_points, data_points>& integrals() {
   return d;
 }
 
-// A polynomial of degree 7 differs on [-1, 1] from f by at most max|f^(8)|/8!/2^7: its values at Chebyshev's points.
-double approximation(double eighth, double length) {
-  return eighth * std::pow(0.5 * length, 8) / 128;
-}
-
 struct Part {
   double from, to;
   OnPiece known = {};
@@ -91,9 +87,10 @@ class Collected {
     EdgeValues v;
     for (int q = 0; q < data_points; ++q) v.at.col(q) = moment_ * legendres(rule().s[q]);
     double largest = -1;
-    for (const Part& p : parts_) {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Part& p = parts_[i];
       const Vec2 before = v.rest;
-      const Values left = leave_out(p, v);
+      const Values left = leave_out(i, v);
       follow_primitive(p, left, v.rest - before, v);
       v.error += p.error;
       if (!(p.total() <= largest)) largest = p.total(), v.worst = 0.5 * (p.from + p.to);
@@ -168,7 +165,8 @@ class Collected {
   }
 
   // Adds the squares of f - P and of its derivative; f - P at the points where that is smooth.
-  Values leave_out(const Part& p, EdgeValues& v) const {
+  Values leave_out(std::size_t i, EdgeValues& v) const {
+    const Part& p = parts_[i];
     const double h = p.length();
     Values rest = p.at;
     if (p.smooth) {
@@ -183,17 +181,27 @@ class Collected {
       leave_out_power(p, *p.known.power, v);
     } else {
       const Vec2 here = moment_ * legendres(0.5 * (p.from + p.to));
-      double jump = 0;
+      const Vec2 change = change_over(i);
       for (int d = 0; d < 2; ++d) {
         const auto& [low, high] = p.known.value[d];
         v.rest[d] += h * std::pow(std::max(std::abs(low - here[d]), std::abs(high - here[d])), 2);
-        v.rough[d] += (high - low) * (high - low) / h;
-        jump = std::max(jump, high - low);
+        v.rough[d] += change[d] * change[d] / h;
       }
       constexpr double step = 1e-9;
-      if (jump > step * size_) v.jumps = true;
+      if (change.maxCoeff() > step * size_) v.jumps = true;
     }
     return rest;
+  }
+  // How much f changes over a part of which only the range is known: over a cut between two smooth parts, by what their
+  // polynomials have at it. Both branches of a function may turn over there, and their sum be continuous.
+  Vec2 change_over(std::size_t i) const {
+    const Part& p = parts_[i];
+    constexpr double cut = 1e-12;
+    if (p.last && p.length() < cut && i > 0 && i + 1 < parts_.size() && parts_[i - 1].smooth && parts_[i + 1].smooth)
+      return (parts_[i + 1].at * trace_basis(rule(), 0) - parts_[i - 1].at * trace_basis(rule(), 1)).cwiseAbs();
+    Vec2 change;
+    for (int d = 0; d < 2; ++d) change[d] = p.known.value[d].high - p.known.value[d].low;
+    return change;
   }
   // (A - P + C d^p)^2.
   void leave_out_power(const Part& p, const Power& power, EdgeValues& v) const {
@@ -233,11 +241,12 @@ class EdgeIntegration {
   EdgeIntegration(const BoundaryField& f, const EdgeLine& edge, const char* what, double size)
       : f_(f), edge_(edge), what_(what), size_(std::max(size, size_on(f, edge))) {}
   /// `at`: of a curved edge its value at s.
-  EdgeIntegration(const BoundaryField& f, const EdgeLine& edge, const char* what, std::function<Vec2(double)> at)
-      : f_(f), edge_(edge), what_(what), size_(0), at_(std::move(at)) {}
+  EdgeIntegration(const BoundaryField& f, const EdgeLine& edge, const char* what, double size,
+                  std::function<Vec2(double)> at)
+      : f_(f), edge_(edge), what_(what), size_(std::max(size, size_on(f, edge))), at_(std::move(at)) {}
 
   EdgeValues run() {
-    if (f_.known() && !at_) {
+    if (f_.known()) {
       EdgeValues v = enclosed();
       if (!contradicted_) return v;
       parts_.clear();
@@ -282,7 +291,7 @@ class EdgeIntegration {
       p.smooth = true;
       p.at = values(from, to);
       for (int d = 0; d < 2; ++d) {
-        p.distance[d] = approximation(p.known.eighth[d], h);
+        p.distance[d] = left_by_interpolation(p.known.eighth[d], h);
         const auto& [low, high] = p.known.value[d];
         constexpr double slack = 1e-9;
         const double allowed = slack * (std::abs(low) + std::abs(high)) + std::numeric_limits<double>::min();
@@ -293,8 +302,8 @@ class EdgeIntegration {
       const Power& power = *p.known.power;
       const double mass = std::pow(h, 1 + power.exponent) / (1 + power.exponent);
       for (int d = 0; d < 2; ++d) {
-        p.distance[d] = approximation(power.factor_eighth[d], h);
-        p.error[d] = 2 * mass * p.distance[d] + 2 * h * approximation(power.regular_eighth[d], h);
+        p.distance[d] = left_by_interpolation(power.factor_eighth[d], h);
+        p.error[d] = 2 * mass * p.distance[d] + 2 * h * left_by_interpolation(power.regular_eighth[d], h);
       }
     } else {
       p.known.power.reset();
@@ -410,21 +419,23 @@ class EdgeIntegration {
 
 }  // namespace
 
+EdgeLine edge_line(const EdgeOf& of) {
+  EdgeLine line = edge_line(of.mesh, of.edge);
+  if (const Bow* bow = bow_at(of.bows, of.edge)) line.bow = bow->q;
+  return line;
+}
+
 EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* what, bool density, double size) {
-  const EdgeLine line = edge_line(of.mesh, of.edge);
-  if (!bow_at(of.bows, of.edge)) return edge_values(f, line, what, size);
+  EdgeLine line = edge_line(of);
+  if (line.is_straight()) return edge_values(f, line, what, size);
+  line.density = density;
   const double chord = (line.b - line.a).norm();
   const auto at = [&](double s) -> Vec2 {
     const OnEdge p = on_edge(of.mesh, of.bows, of.edge, s);
     const double speed = p.slope.norm();
     return (density ? speed / chord : 1) * f(p.x, normal_at(p, line.n) / speed);
   };
-  EdgeValues v = EdgeIntegration(f, line, what, at).run();
-  // A polynomial along a polynomial edge, with its normal: nothing hides between points that agree on it.
-  constexpr int low = 4;
-  if (v.how == Resolution::Sampled && f.known() && f.known()->degree() >= 0 && f.known()->degree() <= low)
-    v.how = Resolution::Proved;
-  return v;
+  return EdgeIntegration(f, line, what, size, at).run();
 }
 
 EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char* what, double size) {

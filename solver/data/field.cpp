@@ -33,6 +33,11 @@ class Sum final : public Enclosure {
     const auto a = a_->over(x, y), b = b_->over(x, y);
     return {plus(a[0], b[0]), plus(a[1], b[1])};
   }
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
+                                  int order) const override {
+    const auto a = a_->remainder(x, y, dx, dy, order), b = b_->remainder(x, y, dx, dy, order);
+    return {std::nextafter(a[0] + b[0], infinity), std::nextafter(a[1] + b[1], infinity)};
+  }
   int degree() const override {
     return a_->degree() < 0 || b_->degree() < 0 ? -1 : std::max(a_->degree(), b_->degree());
   }
@@ -58,6 +63,12 @@ class Scaled final : public Enclosure {
     const auto a = a_->over(x, y);
     return {times(a[0]), times(a[1])};
   }
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
+                                  int order) const override {
+    auto a = a_->remainder(x, y, dx, dy, order);
+    for (double& bound : a) bound = std::nextafter(std::abs(factor_) * bound, infinity);
+    return a;
+  }
   int degree() const override {
     return a_->degree();
   }
@@ -78,11 +89,16 @@ class Linear final : public Enclosure {
   explicit Linear(std::function<Vec2(const Vec2&)> f) : f_(std::move(f)) {}
 
   OnPiece along(const EdgeLine& edge, double from, double to) const override {
+    if (!edge.is_straight()) return {};
     const Vec2 side = edge.b - edge.a;
     return {.value = around({edge.a + from * side, edge.a + to * side}), .eighth = {0, 0}};
   }
   std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
     return around({Vec2(x.low, y.low), Vec2(x.high, y.low), Vec2(x.low, y.high), Vec2(x.high, y.high)});
+  }
+  std::array<double, 2> remainder(const Interval&, const Interval&, const Interval&, const Interval&,
+                                  int order) const override {
+    return order > 1 ? std::array{0.0, 0.0} : std::array{infinity, infinity};
   }
   int degree() const override {
     return 1;

@@ -147,7 +147,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
   const auto values = [&](Index label, const BoundaryField& f, const char* what, bool density) {
     LoadedEdges all{label, {}};
     double size = 0;
-    for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line(mesh, e)));
+    for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line({mesh, bows, e})));
     for (const Index e : labeled(data, label))
       all.values.push_back(edge_values(f, {mesh, bows, e}, what, density, size));
     return all;
@@ -160,7 +160,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
     if (!p || scene.laws[c].kind == CrackLaw::Kind::Bonded) continue;
     LoadedCrack all{static_cast<Index>(c), {}};
     double size = 0;
-    for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line(mesh, e.edge)));
+    for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line({mesh, bows, e.edge})));
     for (const CrackEdge& e : mesh.cracks[c])
       all.values.push_back(edge_values(p, {mesh, bows, e.edge}, "pressure in a crack", false, size));
     data.pressures.push_back(std::move(all));

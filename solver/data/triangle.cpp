@@ -1,4 +1,5 @@
 #include "solver/data.hpp"
+#include "solver/data/left_out.hpp"
 
 #include "base/dense.hpp"
 #include "solver/element/local.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kept_degree = 4;
 constexpr double narrow = 1e-9;  // of the largest value
+constexpr int left_degree = 7;   // of the polynomials of left_by_polynomial
 
 using Vertices = std::array<Vec2, 3>;
 
@@ -51,9 +53,15 @@ double better(double difference, double size) {
   return size > 0 ? difference * difference / size : 0;
 }
 
+double allowed(const std::array<Interval, 2>& range, double size) {
+  for (const Interval& r : range) size = std::max({size, std::abs(r.low), std::abs(r.high)});
+  return narrow * size;
+}
+
 struct Cell {
   Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
   Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
+  const TriangleRule* rule = nullptr;
   std::array<Interval, 2> range{};
   double area = 0, error = 0;           // shares of the triangle
   std::array<Interval, 2> rim_range{};  // on the rim of the cell, this share of the triangle
@@ -104,8 +112,14 @@ class TriangleIntegration {
     static const TriangleRule rule = triangle_rule(5);
     return rule;
   }
-  const TriangleRule& rule_of(const Cell& c) const {
-    return c.value.cols() == rule_.w.size() ? rule_ : coarse_rule();
+  // Integrates the products of Taylor's polynomials and those that are kept.
+  static const TriangleRule& exact_rule() {
+    static const TriangleRule rule = triangle_rule(left_degree + kept_degree);
+    return rule;
+  }
+  void take_values(Cell& c, const TriangleRule& rule) const {
+    c.value = values(rule, c.corners);
+    c.rule = &rule;
   }
 
   Cell cell(const Vertices& c) {
@@ -116,15 +130,20 @@ class TriangleIntegration {
     return made;
   }
 
-  // Known: settled where the range is narrow, or two rules agree and the range is not far beyond the samples.
-  void enclose(Cell& c) const {
-    const TriangleRule& check = coarse_rule();
+  /// The box of a cell.
+  std::array<Interval, 2> box_of(const Cell& c) const {
     Interval x{infinity, -infinity}, y = x;
     for (const Vec2& l : c.corners) {
       const Vec2 p = place(l);
       x = {std::min(x.low, p.x()), std::max(x.high, p.x())};
       y = {std::min(y.low, p.y()), std::max(y.high, p.y())};
     }
+    return {x, y};
+  }
+
+  // Known: settled where the range of each component is narrow, or Taylor's polynomial leaves little of it.
+  void enclose(Cell& c) const {
+    auto [x, y] = box_of(c);
     c.range = f_.known()->over(x, y);
     double width = width_of(c.range), rim_error = 0;
     if (std::isfinite(width) && width > narrow * size_) {
@@ -140,34 +159,24 @@ class TriangleIntegration {
         rim_error = c.rim * width;
         c.range = inside;
         width = width_of(inside);
+        x = x_in;
+        y = y_in;
       }
     }
-    double size = 0;
-    for (const Interval& r : c.range) size = std::max({size, std::abs(r.low), std::abs(r.high)});
-    constexpr double agree = 1e-6, beyond = 8;
     if (!std::isfinite(width)) {
       if (cells_.empty()) values(rule_, c.corners);  // refuses what has no value
       c.smooth = false;
       c.value = Points::Zero(2, 1);
+      c.rule = &coarse_rule();
       c.error = infinity;
       return;
     }
-    c.error = c.area * width + rim_error;
-    c.settled = width <= narrow * std::max(size, size_);
-    c.value = values(check, c.corners);
-    const Points coarse = c.value;
-    const double samples = (coarse.rowwise().maxCoeff() - coarse.rowwise().minCoeff()).sum();
-    // The first cell's values are wanted at the points of the rule in any case; what a polynomial leaves of a constant
-    // is of twice its degree.
-    if (cells_.empty() || c.settled || width <= beyond * samples) c.value = values(rule_, c.corners);
-    if (c.settled || width > beyond * samples) return;
-    const double difference = (c.value * rule_.w - coarse * check.w).cwiseAbs().sum();
-    if (difference <= std::max(agree * size, narrow * size_)) {
-      c.settled = true;
-      c.error = c.area * better(difference, size) + rim_error;
-    }
+    const Vec2 left = left_by_polynomial(*f_.known(), x, y, c.range, allowed(c.range, size_));
+    c.settled = left.maxCoeff() <= allowed(c.range, size_);
+    c.error = c.area * left.sum() + rim_error;
+    // The first cell's values are wanted at the points of the rule in any case.
+    take_values(c, cells_.empty() ? rule_ : c.settled ? exact_rule() : coarse_rule());
   }
-
   static double width_of(const std::array<Interval, 2>& range) {
     return range[0].high - range[0].low + (range[1].high - range[1].low);
   }
@@ -180,7 +189,7 @@ class TriangleIntegration {
 
   // A black box: settled where a finer look gives the same mean.
   void sample(Cell& c) const {
-    c.value = values(rule_, c.corners);
+    take_values(c, rule_);
     const Look look = compared(c.value, rule_, values(finer_rule(), c.corners));
     c.settled = look.agrees;
     c.error = c.area * (c.settled ? better(look.difference, look.size) : look.difference);
@@ -211,7 +220,7 @@ class TriangleIntegration {
     Eigen::MatrixXd moment = Eigen::MatrixXd::Zero(basis.rows(), 2);
     for (const Cell& c : cells_)
       if (c.smooth)
-        moment += multiply(c.area * monomials(kept_degree, places(rule_of(c), c.corners)) * rule_of(c).w.asDiagonal(),
+        moment += multiply(c.area * monomials(kept_degree, places(*c.rule, c.corners)) * c.rule->w.asDiagonal(),
                            Eigen::MatrixXd(c.value.transpose()));
     const Eigen::MatrixXd coefficients = solve_spd(mass, moment);
     result.whole = false;
@@ -225,14 +234,14 @@ class TriangleIntegration {
         continue;
       }
       const Points seen =
-          transposed_multiply(monomials(kept_degree, places(rule_of(c), c.corners)), coefficients).transpose();
+          transposed_multiply(monomials(kept_degree, places((*c.rule), c.corners)), coefficients).transpose();
       const Points rest = c.value - seen;
       for (int d = 0; d < 2 && c.rim > 0; ++d)
         result.rest += c.rim * std::pow(std::max(std::abs(c.rim_range[d].low - seen.row(d).minCoeff()),
                                                  std::abs(c.rim_range[d].high - seen.row(d).maxCoeff())),
                                         2);
       if (c.settled || !f_.known()) {
-        result.rest += c.area * rest.colwise().squaredNorm().dot(rule_of(c).w.transpose());
+        result.rest += c.area * rest.colwise().squaredNorm().dot((*c.rule).w.transpose());
         continue;
       }
       for (int d = 0; d < 2; ++d)
@@ -252,6 +261,29 @@ class TriangleIntegration {
   int evaluations_ = 0;
   double scale_ = 0;
 };
+
+/// The values of a curved triangle are proved where a polynomial leaves little of f over its box: what two rules of the
+/// polynomial along the polynomial map differ by is seen.
+void prove(const Enclosure& f, const Triangle& cell, double size, TriangleValues& v) {
+  Interval x{infinity, -infinity}, y = x;
+  const auto holding = [](Interval& all, double low, double high) {
+    all = {std::min(all.low, low), std::max(all.high, high)};
+  };
+  double beyond = 0;  // of the chords: products of two coordinates are 1/4 at most
+  for (const Bow* bow : cell.bow)
+    if (bow)
+      for (const Vec2& q : bow->q) beyond += 0.25 * q.norm();
+  for (const Vec2& corner : cell.x) {
+    holding(x, corner.x() - beyond, corner.x() + beyond);
+    holding(y, corner.y() - beyond, corner.y() + beyond);
+  }
+  const std::array<Interval, 2> range = f.over(x, y);
+  const double enough = allowed(range, size);
+  const Vec2 left = left_by_polynomial(f, x, y, range, enough);
+  if (!(left.maxCoeff() <= enough)) return;
+  v.error += left.sum();
+  v.how = Resolution::Proved;
+}
 
 }  // namespace
 
@@ -303,7 +335,10 @@ TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const
     return values;
   };
   const Points at = sampled(rule), finer = sampled(finer_rule());
-  if (auto seen = first_look(at, rule, finer)) return *std::move(seen);
+  if (std::optional<TriangleValues> seen = first_look(at, rule, finer)) {
+    if (f.known()) prove(*f.known(), cell, size, *seen);
+    return *std::move(seen);
+  }
   const Look look = compared(at, rule, finer);
   TriangleValues open;
   open.at = at;

@@ -269,6 +269,17 @@ std::string unseen_by_estimate(const Model& m) {
   return {};
 }
 
+namespace {
+
+/// What the estimate sees of data at points only, added to a claim.
+std::string as_sampled(const Model& m) {
+  for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
+    if (!u.stops_bounds) return fmt::format(", as sampled: {} {}", u.what, u.how);
+  return {};
+}
+
+}  // namespace
+
 std::string reason_to_end(const std::vector<Round>& rounds, const std::string& unseen, const Adaptation& wanted) {
   constexpr double gain = 0.95;
   constexpr std::size_t most_rounds = 40;
@@ -410,6 +421,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
       rounds.push_back(now.rounds.front());
       now.stopped =
           reason_to_end(rounds, solved.goal.note.empty() ? unseen_by_estimate(now.model) : solved.goal.note, wanted);
+      if (now.stopped.starts_with("reached")) now.stopped += as_sampled(now.model);
       now.rounds = rounds;
       now.sizing = sizing;
       if (!now.stopped.empty()) return std::move(now);

@@ -1,0 +1,389 @@
+#include "solver/bounds/work_of_data.hpp"
+
+#include "solver/data/jacobi.hpp"
+#include "solver/data/left_out.hpp"
+#include "solver/quadrature.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace kerf {
+
+double Fade::operator()(double r) const {
+  const double t = std::clamp((r - inner) / (outer - inner), 0.0, 1.0), t4 = t * t * t * t;
+  return 1 - t4 * (35 + t * (-84 + t * (70 - 20 * t)));
+}
+
+double Fade::slope(double r) const {
+  const double t = (r - inner) / (outer - inner);
+  const double both = t * (1 - t);
+  return t <= 0 || t >= 1 ? 0 : -140 * both * both * both / (outer - inner);
+}
+
+namespace {
+
+constexpr int fine_points = 24;
+
+/// What polynomials of degree 7 leave of an analytic function on an edge, at most, from its values at Gauss points:
+/// Legendre coefficients, which fall at least as fast beyond the last ones as they did before.
+double left_of_analytic(const EdgeRule& rule, const Eigen::RowVectorXd& values) {
+  constexpr int known = 16, last = 12;
+  double left = 0;
+  for (int k = data_points; k < known; ++k) {
+    double c = 0;
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) c += rule.w[q] * values[q] * legendre(k, rule.s[q]);
+    left += (k < last ? 1 : 2) * std::abs(c) * std::sqrt(2.0 * k + 1);
+  }
+  return left;
+}
+
+/// int t.G over one edge: t is a polynomial, and a rest that is orthogonal to polynomials.
+void add_edge(const Model& m, const EdgeValues& t, Index e, const Nucleus& G, Known& known) {
+  static const EdgeRule fine = gauss(fine_points), carrier = gauss(data_points);
+  static const Eigen::MatrixXd to_fine = [] {
+    Eigen::MatrixXd all(data_points, fine_points);
+    for (int q = 0; q < fine_points; ++q) all.col(q) = trace_basis(carrier, fine.s[q]);
+    return all;
+  }();
+  Points field(2, fine_points);
+  for (int q = 0; q < fine_points; ++q)
+    field.col(q) = G.displacement(on_edge(m.mesh, m.inner->skeleton.bows, e, fine.s[q]).x);
+  const Points load = t.at * to_fine;
+  const double l = length(m.mesh, e);
+  known.value += l * load.cwiseProduct(field).colwise().sum().dot(fine.w.transpose());
+  for (int d = 0; d < 2; ++d) {
+    known.error += l * t.error[d] * field.row(d).cwiseAbs().maxCoeff();
+    if (t.rest[d] > 0) known.error += l * std::sqrt(t.rest[d]) * left_of_analytic(fine, field.row(d));
+  }
+  known.sampled = known.sampled || t.how == Resolution::Sampled;
+}
+
+}  // namespace
+
+Known work_of_tractions(const Model& m, const Nucleus& G) {
+  Known known;
+  for (const LoadedEdges& t : m.inner->data.tractions)
+    for (std::size_t j = 0; j < t.values.size(); ++j)
+      add_edge(m, t.values[j], labeled(m.inner->data, t.label)[j], G, known);
+  return known;
+}
+
+namespace {
+
+/// The step from 0 to 1 that rests at both ends: what grows there like a logarithm is smooth in t.
+double eased(double t) {
+  return t * t * t * (10 + t * (6 * t - 15));
+}
+double easing(double t) {
+  return 30 * std::pow(t * (1 - t), 2);
+}
+
+/// A coordinate as a function of u from 0 to 1, growing.
+struct Along {
+  double from, to;
+  enum class Kind { Even, Eased, Root } kind;
+  double at(double u) const {
+    switch (kind) {
+      case Kind::Even:
+        return from + u * (to - from);
+      case Kind::Eased:
+        return from + eased(u) * (to - from);
+      default:
+        return std::pow(root(u), 2);
+    }
+  }
+  double slope(double u) const {
+    switch (kind) {
+      case Kind::Even:
+        return to - from;
+      case Kind::Eased:
+        return easing(u) * (to - from);
+      default:
+        return 2 * root(u) * (std::sqrt(to) - std::sqrt(from));
+    }
+  }
+
+ private:
+  double root(double u) const {
+    return std::sqrt(from) + u * (std::sqrt(to) - std::sqrt(from));
+  }
+};
+
+/// All values of the cosine between two angles that are half a turn apart at most.
+Interval cosines(double from, double to) {
+  constexpr double margin = 1e-14;
+  Interval c{std::min(std::cos(from), std::cos(to)) - margin, std::max(std::cos(from), std::cos(to)) + margin};
+  for (double k = std::ceil(from / pi - margin); k <= std::floor(to / pi + margin); ++k)
+    (std::fmod(k, 2) == 0 ? c.high : c.low) = std::fmod(k, 2) == 0 ? 1 + margin : -1 - margin;
+  return c;
+}
+Interval scaled(double from, double to, const Interval& c, double middle) {
+  const double rounding = 1e-14 * (std::abs(middle) + to);
+  return {middle + std::min(from * c.low, to * c.low) - rounding,
+          middle + std::max(from * c.high, to * c.high) + rounding};
+}
+
+/// One piece in one or two coordinates; which of its parents' pieces it is a part of.
+struct Piece {
+  std::size_t whole = 0;
+  std::array<double, 2> from{0, 0}, to{1, 1};
+  double value = 0, error = 0, size = 0;
+  bool sampled = false;
+};
+
+/// Cuts the piece with the largest error, until their sum is small beside the sum of the sizes.
+template <typename Evaluate, typename Cut>
+Known refined(std::vector<Piece> pieces, int most, const Evaluate& evaluate, const Cut& cut) {
+  constexpr double tolerance = 1e-10;
+  for (Piece& p : pieces) evaluate(p);
+  int evaluations = static_cast<int>(pieces.size());
+  const auto smaller = [](const Piece& a, const Piece& b) { return a.error < b.error; };
+  std::make_heap(pieces.begin(), pieces.end(), smaller);
+  for (;;) {
+    Known known;
+    double size = 0;
+    for (const Piece& p : pieces) {
+      known.value += p.value;
+      known.error += p.error;
+      size += p.size;
+      known.sampled = known.sampled || p.sampled;
+    }
+    if (evaluations >= most || !(known.error > tolerance * size)) return known;
+    // A tenth of them at once: the sums cost as much as the pieces.
+    const std::size_t batch = 1 + pieces.size() / 10;
+    std::vector<Piece> worst;
+    for (std::size_t i = 0; i < batch; ++i) {
+      std::pop_heap(pieces.begin(), pieces.end(), smaller);
+      worst.push_back(pieces.back());
+      pieces.pop_back();
+    }
+    for (const Piece& p : worst)
+      for (Piece part : cut(p)) {
+        evaluate(part);
+        ++evaluations;
+        pieces.push_back(part);
+        std::push_heap(pieces.begin(), pieces.end(), smaller);
+      }
+  }
+}
+
+class WorkOfBody {
+ public:
+  WorkOfBody(const VectorField& f, const FadingField& field) : f_(f), field_(field) {
+    const Fade& fade = field.fade;
+    const bool rough = field.rough > 0;
+    const std::vector<double> ends =
+        rough ? std::vector{0.0, field.rough, fade.inner, fade.outer} : std::vector{0.0, fade.inner, fade.outer};
+    constexpr int arcs = 8;
+    for (int arc = 0; arc < arcs; ++arc)
+      for (std::size_t part = 0; part + 1 < ends.size(); ++part)
+        if (ends[part + 1] > ends[part])
+          wholes_.push_back({Along{ends[part], ends[part + 1], rough ? Along::Kind::Eased : Along::Kind::Root},
+                             Along{field.start + 2 * pi / arcs * arc, field.start + 2 * pi / arcs * (arc + 1),
+                                   rough ? Along::Kind::Eased : Along::Kind::Even}});
+  }
+
+  Known known() const {
+    std::vector<Piece> pieces(wholes_.size());
+    for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].whole = i;
+    constexpr int most = 6000;
+    return refined(
+        std::move(pieces), most, [this](Piece& p) { evaluate(p); },
+        [](const Piece& p) {
+          std::vector<Piece> four(4, p);
+          for (std::size_t d = 0; d < 2; ++d) {
+            const double middle = 0.5 * (p.from[d] + p.to[d]);
+            for (std::size_t k = 0; k < 4; ++k) ((k >> d) % 2 == 0 ? four[k].to : four[k].from)[d] = middle;
+          }
+          return four;
+        });
+  }
+
+ private:
+  struct Sum {
+    double value = 0, size = 0;
+    Vec2 field = Vec2::Zero();  // of |G|
+  };
+  Sum by(const EdgeRule& rule, const Piece& p) const {
+    const auto& [radius, angle] = wholes_[p.whole];
+    Sum sum;
+    const double du = p.to[0] - p.from[0], dv = p.to[1] - p.from[1];
+    for (Eigen::Index j = 0; j < rule.s.size(); ++j) {
+      const double v = p.from[1] + rule.s[j] * dv, theta = angle.at(v);
+      const Vec2 way(std::cos(theta), std::sin(theta));
+      for (Eigen::Index i = 0; i < rule.s.size(); ++i) {
+        const double u = p.from[0] + rule.s[i] * du, r = radius.at(u);
+        const Vec2 x = field_.middle + r * way;
+        const double weight = rule.w[i] * rule.w[j] * du * dv * radius.slope(u) * angle.slope(v) * r * field_.fade(r);
+        const Vec2 G = weight * field_.G.displacement(x);
+        const double work = G.dot(f_(x));
+        sum.value += work;
+        sum.size += std::abs(work);
+        sum.field += G.cwiseAbs();
+      }
+    }
+    return sum;
+  }
+  void evaluate(Piece& p) const {
+    static const EdgeRule coarse = gauss(8), fine = gauss(12);
+    const Sum sum = by(fine, p);
+    p.value = sum.value;
+    p.size = sum.size;
+    p.error = std::abs(sum.value - by(coarse, p).value);
+    p.sampled = !f_.known();
+    if (!f_.known()) return;
+    const auto& [radius, angle] = wholes_[p.whole];
+    const double r0 = radius.at(p.from[0]), r1 = radius.at(p.to[0]), a0 = angle.at(p.from[1]), a1 = angle.at(p.to[1]);
+    const Interval x = scaled(r0, r1, cosines(a0, a1), field_.middle.x()),
+                   y = scaled(r0, r1, cosines(a0 - pi / 2, a1 - pi / 2), field_.middle.y());
+    const std::array<Interval, 2> range = f_.known()->over(x, y);
+    constexpr double narrow = 1e-12;
+    double largest = 0;
+    for (const Interval& of : range) largest = std::max({largest, std::abs(of.low), std::abs(of.high)});
+    const Vec2 left = left_by_polynomial(*f_.known(), x, y, range, narrow * largest);
+    for (int d = 0; d < 2; ++d)
+      if (sum.field[d] > 0) p.error += sum.field[d] * left[d];
+  }
+
+  const VectorField& f_;
+  const FadingField& field_;
+  std::vector<std::array<Along, 2>> wholes_;  // radius and angle
+};
+
+/// Pieces of the crack, from its tip on: s of the way to where the field is 0.
+class WorkOfPressure {
+ public:
+  WorkOfPressure(const BoundaryField& p, const FadingField& field, const Vec2& along)
+      : p_(p),
+        field_(field),
+        along_(along),
+        up_(-along.y(), along.x()),
+        line_{field.middle, field.middle - field.fade.outer * along, up_} {}
+
+  Known known() const {
+    std::vector<Piece> pieces(2);
+    pieces[0].to[0] = pieces[1].from[0] = field_.fade.inner / field_.fade.outer;
+    constexpr int most = 4000;
+    return refined(
+        std::move(pieces), most, [this](Piece& p) { evaluate(p); }, [this](const Piece& p) { return cut(p); });
+  }
+
+ private:
+  /// What a unit pressure works per length, times the root of the distance.
+  double opening(double r) const {
+    constexpr double side = 1e-9;  // of the distance: the faces are the same points
+    const Vec2 x = field_.middle - r * along_;
+    const Vec2 jump = field_.G.displacement(x + side * r * up_) - field_.G.displacement(x - side * r * up_);
+    return field_.fade(r) * up_.dot(jump) * std::sqrt(r);
+  }
+  double radius(double s) const {
+    return s * field_.fade.outer;
+  }
+  struct Sum {
+    double value = 0, size = 0, field = 0;
+  };
+  /// dr/sqrt(r) = 2 d sqrt(r).
+  Sum by(const EdgeRule& rule, const Piece& p) const {
+    Sum sum;
+    const double low = std::sqrt(radius(p.from[0])), high = std::sqrt(radius(p.to[0]));
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const double r = std::pow(low + rule.s[q] * (high - low), 2), weight = 2 * rule.w[q] * (high - low) * opening(r),
+                   work = weight * p_(field_.middle - r * along_, up_).x();
+      sum.value += work;
+      sum.size += std::abs(work);
+      sum.field += std::abs(weight);
+    }
+    return sum;
+  }
+  void evaluate(Piece& p) const {
+    static const EdgeRule coarse = gauss(12), fine = gauss(16);
+    p.sampled = !p_.known();
+    if (!p_.known()) return take(p, by(coarse, p), by(fine, p), 0);
+    const OnPiece known = p_.known()->along(line_, p.from[0], p.to[0]);
+    const double length = p.to[0] - p.from[0];
+    if (std::isfinite(known.eighth[0]))
+      return take(p, by(coarse, p), by(fine, p), 2 * left_by_interpolation(known.eighth[0], length));
+    if (known.power && known.power->at_low_end && p.from[0] == 0) return take_power(p, *known.power);
+    const double width = known.value[0].high - known.value[0].low;
+    if (!std::isfinite(width)) {
+      p.error = infinity;
+      return;
+    }
+    take(p, by(coarse, p), by(fine, p), 2 * width);
+  }
+  static void take(Piece& p, const Sum& coarse, const Sum& fine, double left) {
+    p.value = fine.value;
+    p.size = fine.size;
+    p.error = std::abs(fine.value - coarse.value) + left * fine.field;
+  }
+  /// p = A + B s^e from the tip on: A as it is, B with the weight s^(e - 1/2).
+  void take_power(Piece& p, const Power& power) const {
+    const double e = power.exponent, to = radius(p.to[0]);
+    if (!(e > -0.5)) {
+      p.error = infinity;
+      return;
+    }
+    // Of one of them, in the root of r/to, with the power of it that is the weight.
+    const auto sum = [&](double exponent, double scale, const auto& part) {
+      return [=, this](int points) {
+        Sum all;
+        const EdgeRule rule = gauss_jacobi(exponent, points);
+        for (int q = 0; q < points; ++q) {
+          const double r = std::pow(rule.s[q], 2) * to, weight = 2 * rule.w[q] * std::sqrt(to) * scale * opening(r),
+                       work = weight * part(r / field_.fade.outer);
+          all.value += work;
+          all.size += std::abs(work);
+          all.field += std::abs(weight);
+        }
+        return all;
+      };
+    };
+    const auto regulars = sum(0, 1, [&power](double at) { return power.parts(at).first.x(); });
+    const auto powers = sum(2 * e, std::pow(p.to[0], e), [&power](double at) { return power.parts(at).second.x(); });
+    constexpr int coarse = 12, fine = 16;
+    Piece regular = p, singular = p;
+    take(regular, regulars(coarse), regulars(fine), 2 * left_by_interpolation(power.regular_eighth[0], p.to[0]));
+    take(singular, powers(coarse), powers(fine), 2 * left_by_interpolation(power.factor_eighth[0], p.to[0]));
+    p.value = regular.value + singular.value;
+    p.size = regular.size + singular.size;
+    p.error = regular.error + singular.error;
+  }
+  /// At a break where one is known, which is passed over in a piece of its own; else in the middle.
+  std::vector<Piece> cut(const Piece& p) const {
+    std::vector<double> ends{p.from[0], p.to[0]};
+    std::optional<Interval> at;
+    if (p_.known()) at = p_.known()->along(line_, p.from[0], p.to[0]).cut;
+    if (at)
+      ends.insert(ends.begin() + 1, {at->low, at->high});
+    else
+      ends.insert(ends.begin() + 1, 0.5 * (p.from[0] + p.to[0]));
+    std::vector<Piece> parts;
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+      if (!(ends[i + 1] > ends[i])) continue;
+      Piece part = p;
+      part.from[0] = ends[i];
+      part.to[0] = ends[i + 1];
+      parts.push_back(part);
+    }
+    return parts;
+  }
+
+  const BoundaryField& p_;
+  const FadingField& field_;
+  Vec2 along_, up_;
+  EdgeLine line_;
+};
+
+}  // namespace
+
+Known work_of_body(const VectorField& f, const FadingField& field) {
+  return WorkOfBody(f, field).known();
+}
+
+Known work_of_pressure(const BoundaryField& p, const FadingField& field, const Vec2& along) {
+  return WorkOfPressure(p, field, along).known();
+}
+
+}  // namespace kerf
