@@ -455,6 +455,14 @@ ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLin
           : TaylorArithmetic(taylor_order).multiply(values.root(), on_curve(edge, from, to, taylor_order).stretch);
   ScalarOnPiece piece{f.c[0], eighth_of(f), std::nullopt, std::nullopt};
   if (std::isfinite(piece.eighth)) return piece;
+  // As narrow as the numbers of places allow, about a cut: one branch or the other, which the range of all of them
+  // together may not be.
+  constexpr double narrowest = 0x1p-49;
+  if (to - from <= narrowest) {
+    const Interval ends = hull(low.root().c[0], high.root().c[0]);
+    if (is_bounded(ends)) piece.value = is_bounded(piece.value) ? common(piece.value, ends) : ends;
+    return piece;
+  }
   for (const Undecided& what : values.undecided) {
     const Taylor& g = values.at(what.node);
     if (contains(g.c[1], 0)) continue;
