@@ -35,12 +35,17 @@ struct Journal {
   Seconds seconds = {};                      // the total in the end
   std::vector<NamedArray> arrays = {};       // for the page
   Stopwatch since_start = {}, since_lap = {};
-  std::string phase = {};    // the present one
-  std::string missing = {};  // files that are wanted and cannot be had, and why; empty mostly
+  std::string phase = {};      // the present one
+  std::string load_case = {};  // whose state the pictures show; empty without load cases
+  std::string missing = {};    // files that are wanted and cannot be had, and why; empty mostly
   std::shared_ptr<Writer> writer = std::make_shared<Writer>();  // of the files, result.json and the page aside
 
   std::filesystem::path file(const std::string& name) const {
     return options.folder / name;
+  }
+  /// Of a picture of the state, or of what comes from it.
+  std::string title_of_state() const {
+    return load_case.empty() ? title : title + ", load case " + load_case;
   }
   /// Throws Stopped when a stop was asked for.
   void begin(const std::string& name);

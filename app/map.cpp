@@ -133,7 +133,7 @@ void write_map(const MapTask& task, const Mapped& map, const Model& model, const
   journal.begin("write the map");
   write_map_files(journal, task, map, model.mesh, data);
   if (!is_everywhere(map.full)) return;
-  journal.picture("map.png", [&] { return map_picture(journal.title, task, model, data, map); });
+  journal.picture("map.png", [&] { return map_picture(journal.title_of_state(), task, model, data, map); });
   journal.seconds.output += journal.lap();
 }
 

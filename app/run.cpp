@@ -7,6 +7,7 @@
 #include "app/farm.hpp"
 #include "app/files.hpp"
 #include "app/history.hpp"
+#include "app/load_cases.hpp"
 #include "app/map.hpp"
 #include "app/margins.hpp"
 #include "app/optimize.hpp"
@@ -22,6 +23,7 @@
 #include "io/mesh_source.hpp"
 #include "kerf/folded.hpp"
 #include "kerf/stop.hpp"
+#include "optimize/load_cases.hpp"
 #include "plot/page.hpp"
 #include "solver/system.hpp"
 
@@ -92,8 +94,8 @@ Case designed(const Case& c, const OptimizeResult& result) {
 }
 
 Picture picture_of(const Case& design, const Mesh& mesh) {
-  std::span<const LoadCase> further;
-  if (const auto& all = design.optimize->load_cases; !all.empty()) further = std::span(all).subspan(1);
+  std::vector<LoadCase> all = by_name(design.optimize->load_cases);
+  const std::span<const LoadCase> further = all.empty() ? std::span(all) : std::span(all).subspan(1);
   return design_picture(design.title, mesh, design.scene, further, extent(design.shape));
 }
 
@@ -305,20 +307,15 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
   require_energy(r.state->energy, has_stress(adapted.model, adapted.state));
   const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;
   PlotData data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
-  if (c.output.peaks) {
-    add_peaks(adapted.model, data, extent(c.shape), *r.state, r.cracks);
-    if (r.state->von_mises && !is_of_polygon(c.shape, adapted.model.mesh))  // corners of chords have a note
-      refine_peak(adapted.model, adapted.state, data, c.plane_strain, singular_zones(adapted.model, extent(c.shape)),
-                  *r.state->von_mises);
-    journal.seconds.recover += journal.lap();
-    add_margins(c, adapted, data, *r.state, r.cracks);
-    journal.seconds.margins += journal.lap();
-  }
+  add_largest(c, adapted, data, *r.state, r.cracks, journal);
   if (const auto top = r.state->von_mises ? top_on_chords(c, *r.state->von_mises) : std::nullopt) {
     const double middles = beside(adapted.model, adapted.state, data, c.plane_strain, top->at);
     if (const std::string chords = note_on_chords(c, *top, middles); !chords.empty()) r.state->notes.push_back(chords);
   }
   journal.seconds.recover += journal.lap();
+  const auto alone = [&journal](Case& one, Result& unseen) { return solve_body_as_it_can(one, journal, unseen); };
+  if (certified(adapted.state)) add_load_cases(c, adapted, alone, journal, r);
+  journal.load_case = r.state->load_case;
   write_state(adapted, data, r.cracks, journal);
   return {std::move(adapted), std::move(data)};
 }
@@ -330,6 +327,11 @@ Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with
   journal.begin(with_map ? "map" : "functional");
   Analysis analysis = evaluate(c.functional, solved.adapted, with_map);
   r.functional = functional_result(c.functional, analysis);
+  if (r.load_cases.size() > 1)
+    note(
+        {fmt::format("functional, map and validation are under load case \"{}\" alone; an optimization takes the "
+                     "weighted sum over all load cases",
+                     r.state->load_case)});
   note(notes_on(c.functional, analysis, c.shape, r.cracks));
   if (!with_map) {
     journal.seconds.solve += journal.lap();
@@ -465,6 +467,11 @@ bool is_in_parts(const Case& c) {
   return c.divisions > 0 && c.backend == Backend::Petsc && started_processes() > 1;
 }
 void refuse_in_parts(const Case& c) {
+  if (c.optimize && !c.optimize->load_cases.empty())
+    throw Error(Fault::Usage, fmt::format("{}: on several processes a divided mesh has the loads of [[boundary]] and "
+                                          "[body] alone, not those of [[load_case]]; write them so, or use a smaller "
+                                          "mesh.size instead",
+                                          place_of(c, "mesh.refine")));
   if (std::ranges::any_of(c.probes, &Probe::bounds))
     throw Error(
         Fault::Usage,

@@ -196,7 +196,7 @@ void write_state(const Adapted& adapted, const PlotData& data, const std::vector
   if (!stop_requested()) journal.begin("write the state");
   write_state_files(journal, adapted, data, cracks);
   journal.picture("mesh.png", [&] { return mesh_picture(journal.title, adapted.model.mesh); });
-  journal.picture("von_mises.png", [&] { return stress_picture(journal.title, adapted.model, data); });
+  journal.picture("von_mises.png", [&] { return stress_picture(journal.title_of_state(), adapted.model, data); });
   journal.seconds.output += journal.lap();
 }
 

@@ -128,6 +128,15 @@ struct StateResult {
   std::vector<ResultantResult> loads, reactions;  // per label
   std::optional<ResultantResult> body, balance;   // of the body force; the sum of all
   std::optional<double> thickness;                // all that is per thickness, times it, is that of the plate
+  std::string load_case = {};                     // whose state it is, where the case has several
+};
+
+/// What a load case does to the body.
+struct LoadCaseResult {
+  std::string name;
+  double weight = 1, energy = 0, compliance = 0;
+  std::optional<Peak> von_mises = {}, displacement = {};
+  std::vector<ResultantResult> reactions = {};
 };
 
 struct AdaptResult {
@@ -239,6 +248,7 @@ struct Result {
   Quality mesh;
   std::optional<AdaptResult> adapt;  // under "mesh"
   std::optional<StateResult> state;
+  std::vector<LoadCaseResult> load_cases;  // by name; that of the state is one of them
   std::optional<ContactResultSummary> contact;
   std::vector<CrackResult> cracks;
   std::vector<StepResult> steps;

@@ -1,5 +1,6 @@
 #include "io/case/formula.hpp"
 #include "io/words.hpp"
+#include "optimize/load_cases.hpp"
 
 #include <fmt/format.h>
 
@@ -275,7 +276,7 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
 Scene loaded_scene(const Case& c) {
   Scene scene = c.scene;
   if (!c.optimize || c.optimize->load_cases.empty()) return scene;
-  const LoadCase& first = c.optimize->load_cases.front();
+  const LoadCase& first = shown(c.optimize->load_cases);
   scene.tractions.insert(scene.tractions.end(), first.tractions.begin(), first.tractions.end());
   if (first.body) scene.body = first.body;
   return scene;

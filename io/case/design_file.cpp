@@ -237,7 +237,7 @@ Node rest_of_case(const Case& c, const Shape& design, const std::filesystem::pat
 std::vector<std::string> limits(const Case& c, const DesignFile& design) {
   std::vector<std::string> all;
   if (c.optimize && !c.optimize->load_cases.empty())
-    all.push_back("kerf solve computes the first load case; J above is the weighted sum over all of them.");
+    all.push_back("kerf solve computes the first load case by name; J above is the weighted sum over all of them.");
   if (c.synthetic) all.push_back("its data are measured.csv, straight between the sensors: J may differ a little.");
   std::set<std::string> first;
   for (const Crack& crack : c.shape.cracks) first.insert(crack.name);

@@ -113,7 +113,17 @@ StateResult state(const Json& from) {
     if (all.contains("balance")) s.balance = read_resultant(all["balance"]);
   }
   if (from.contains("plate")) s.thickness = read_number(from["plate"], "thickness");
+  s.load_case = text(from, "load_case");
   return s;
+}
+
+LoadCaseResult load_case(const Json& from) {
+  LoadCaseResult c{text(from, "name"), read_number(from, "weight"), read_number(from, "energy"),
+                   read_number(from, "compliance")};
+  if (from.contains("max_von_mises")) c.von_mises = peak(from["max_von_mises"]);
+  if (from.contains("max_displacement")) c.displacement = Peak{read_placed(from["max_displacement"])};
+  for (const Json& r : list(from, "reactions")) c.reactions.push_back(read_resultant(r));
+  return c;
 }
 
 SolverResult solver(const Json& from) {
@@ -444,6 +454,7 @@ Result from_json(const Json& from) {
                                      read_number(c, "closed_length"),
                                      read_number(c, "biactive_length")};
   }
+  for (const Json& c : list(from, "load_cases")) r.load_cases.push_back(load_case(c));
   for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
   for (const Json& s : list(from, "steps")) r.steps.push_back(step(s));
   if (from.contains("bounds")) r.bounds = bounds(from["bounds"]);

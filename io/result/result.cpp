@@ -111,9 +111,22 @@ Json state_section(const StateResult& state) {
   if (state.energy_bounds) out["energy_bounds_of"] = state.of_polygon ? "polygon" : "body";
   if (state.von_mises) out["max_von_mises"] = peak_section(*state.von_mises);
   if (state.displacement) out["max_displacement"] = placed(state.displacement->largest);
+  if (!state.load_case.empty()) out["load_case"] = state.load_case;
   if (!state.notes.empty()) out["notes"] = state.notes;
   if (state.balance) out["resultants"] = resultants(state);
   if (const auto& t = state.thickness) out["plate"] = plate_section(state, *t);
+  return out;
+}
+
+Json load_case_section(const LoadCaseResult& c) {
+  Json out = {{"name", c.name},
+              {"weight", number(c.weight)},
+              {"energy", number(c.energy)},
+              {"compliance", number(c.compliance)}};
+  if (c.von_mises) out["max_von_mises"] = peak_section(*c.von_mises);
+  if (c.displacement) out["max_displacement"] = placed(c.displacement->largest);
+  out["reactions"] = Json::array();
+  for (const ResultantResult& r : c.reactions) out["reactions"].push_back(resultant(r));
   return out;
 }
 
@@ -490,6 +503,7 @@ void write_json(const std::filesystem::path& path, const Result& result, Flush f
                               {"primal_unknowns", s->primal_unknowns},
                               {"bytes_per_iteration", number(s->sent)},
                               {"peak_memory_mb", {number(s->first_mb), number(s->others_mb)}}};
+  for (const LoadCaseResult& c : result.load_cases) out["load_cases"].push_back(load_case_section(c));
   if (result.contact) out["contact"] = contact_section(*result.contact);
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
   for (const StepResult& step : result.steps) out["steps"].push_back(step_section(step));

@@ -119,6 +119,17 @@ void add_resultants(std::string& out, const StateResult& s, const Units& units) 
   if (s.balance) line("balance", "", *s.balance);
 }
 
+void add_load_cases(std::string& out, const std::vector<LoadCaseResult>& cases, const Units& u) {
+  for (const LoadCaseResult& c : cases) {
+    add(out, "load case",
+        {clean_text(c.name), item("weight", c.weight), item("compliance", c.compliance, unit(u, dimension::energy))});
+    if (c.von_mises) add(out, "", in_words("max von Mises stress", *c.von_mises, unit(u, dimension::stress)));
+    if (c.displacement) add(out, "", in_words("max displacement", *c.displacement, unit(u, dimension::length)));
+    for (const ResultantResult& r : c.reactions)
+      add(out, "", {"reaction " + clean_text(r.on), force(r, u), item("moment", r.moment, unit(u, dimension::moment))});
+  }
+}
+
 /// Of the whole plate, thickness included.
 void add_plate(std::string& out, const StateResult& s, double thickness, const Units& u) {
   const std::string force = unit_of_plate(u, dimension::force), energy = unit_of_plate(u, dimension::energy);
@@ -359,6 +370,7 @@ std::string summary(const Result& result) {
     if (s.thickness) add_plate(out, s, *s.thickness, u);
     for (const std::string& note : s.notes) add_sentence(out, "note", note);
   }
+  add_load_cases(out, result.load_cases, u);
   if (result.contact) {
     const ContactResultSummary& c = *result.contact;
     add(out, "contact",

@@ -2,6 +2,7 @@
 #include "optimize/level_set/end.hpp"
 #include "optimize/level_set/finishing.hpp"
 #include "optimize/level_set/starts.hpp"
+#include "optimize/load_cases.hpp"
 #include "optimize/refuse.hpp"
 #include "solver/kept_memory.hpp"
 
@@ -173,7 +174,8 @@ bool LevelSetRun::restore() {
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place) {
   refuse_wrong(p, r);
-  return LevelSetRun(p, r, see, place).run();
+  const OptimizeRequest ordered = in_order(r);
+  return LevelSetRun(p, ordered, see, place).run();
 }
 
 }  // namespace kerf

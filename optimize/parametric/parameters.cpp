@@ -1,6 +1,7 @@
 #include "kerf/optimize.hpp"
 
 #include "optimize/checkpoint.hpp"
+#include "optimize/load_cases.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/parametric/evaluations.hpp"
 #include "optimize/parametric/start.hpp"
@@ -514,7 +515,8 @@ OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
 OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
                                    const CheckpointPlace& place, const Farm& farm) {
   refuse_wrong(problem, request);
-  return Rounds(problem, request, see, place, farm).run();
+  const OptimizeRequest ordered = in_order(request);
+  return Rounds(problem, ordered, see, place, farm).run();
 }
 
 OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,

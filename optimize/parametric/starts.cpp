@@ -1,5 +1,6 @@
 #include "optimize/parametric/starts.hpp"
 
+#include "optimize/load_cases.hpp"
 #include "optimize/parametric/evaluations.hpp"
 #include "optimize/parametric/shapes/shape.hpp"
 #include "optimize/parametric/start.hpp"
@@ -66,7 +67,7 @@ void follow(const Problem& p, const OptimizeRequest& r, int evaluations, StartTr
 
 /// What starts are compared on: a coarser mesh, one thread each.
 std::pair<Problem, OptimizeRequest> compared(const Problem& problem, const OptimizeRequest& request) {
-  std::pair<Problem, OptimizeRequest> c{problem, request};
+  std::pair<Problem, OptimizeRequest> c{problem, in_order(request)};
   c.second.min_distance = least_distance(problem, request);  // which does not grow with the mesh size
   c.first.sizing.size = coarser * mesh_size(problem);
   c.first.sizing.crack_tip_size *= coarser;

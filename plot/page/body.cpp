@@ -18,6 +18,11 @@ std::string unit_of_map(const Result& r) {
   return r.functional_dimension ? unit(r.units, per_area(*r.functional_dimension)) : std::string();
 }
 
+std::string under_load_case(const Result& r) {
+  return r.state && !r.state->load_case.empty() ? fmt::format(" Under load case {}.", r.state->load_case)
+                                                : std::string();
+}
+
 }  // namespace
 
 Finding stress_finding(const Result& r) {
@@ -44,6 +49,7 @@ Finding stress_finding(const Result& r) {
     out.text += fmt::format(" The displacement is largest, {}.",
                             said(s.displacement->largest, unit(r.units, dimension::length)));
   if (out.text.empty()) out.text = "The body and its stress.";
+  out.text += under_load_case(r);
   return out;
 }
 
@@ -65,6 +71,7 @@ Finding map_finding(const Result& r) {
                             map.second ? "too near to something else, or the second term above 5 % of the first,"
                                        : "too near to something else",
                             pretty(map.radius));
+  out.text += under_load_case(r);
   return out;
 }
 

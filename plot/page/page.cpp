@@ -77,6 +77,7 @@ std::string page(const Result& r, const PageData& data) {
       "<noscript><p class=\"note\">The figures are drawn by a script in this file. Without it the numbers and tables "
       "are all here.</p></noscript>\n";
   if (drawn && r.state) out += "<h2>Stress</h2>\n" + body_figure("stress", stress_finding(r)) + thinned(r, data);
+  out += load_cases_section(r);
   if (r.map) out += map_section(r, find_array(data.arrays, "map") ? body_figure("map", map_finding(r)) : std::string());
   out += cracks_section(r);
   if (!r.steps.empty()) out += steps_section(r);

@@ -22,6 +22,8 @@ std::string thinned(const Result& result, const PageData& data);
 
 std::string map_section(const Result& result, const std::string& figure);
 std::string cracks_section(const Result& result);
+/// A row per load case.
+std::string load_cases_section(const Result& result);
 /// The history of [[step]]: slots of its curves, and a table.
 std::string steps_section(const Result& result);
 /// Where quantities are bounded.

@@ -62,6 +62,37 @@ std::string state_table(const Result& r) {
   return out;
 }
 
+/// A row per load case, that of the pictures in bold.
+std::string load_case_table(const Result& r) {
+  const auto placed = [&](const std::optional<Peak>& peak) -> std::string {
+    if (!peak) return "–";
+    const bool regular = peak->singular && peak->regular;
+    const PlacedValue& v = regular ? *peak->regular : peak->largest;
+    const std::string margin = v.margin && std::isfinite(*v.margin) ? fmt::format(" ± {:.2g}", *v.margin) : "";
+    return pretty(v.value) + margin + " at " + at_place(v.at) + (peak->singular && !regular ? " (singular)" : "");
+  };
+  const auto head = [&](const char* name, const Dimension& of) {
+    return r.units.given() ? fmt::format("{} in {}", name, escape_html(unit(r.units, of))) : std::string(name);
+  };
+  std::vector<std::vector<std::string>> rows, reactions;
+  for (const LoadCaseResult& c : r.load_cases) {
+    const bool shown = r.state && r.state->load_case == c.name;
+    rows.push_back({shown ? "<b>" + escape_html(c.name) + "</b> (shown)" : escape_html(c.name), pretty(c.weight),
+                    pretty(c.compliance), placed(c.von_mises), placed(c.displacement)});
+    for (const ResultantResult& f : c.reactions)
+      reactions.push_back(
+          {escape_html(c.name), escape_html(f.on), pretty(f.force.x()), pretty(f.force.y()), pretty(f.moment)});
+  }
+  std::string out =
+      table({"load case", "weight", head("compliance", dimension::energy),
+             head("largest von Mises stress", dimension::stress), head("largest displacement", dimension::length)},
+            rows);
+  if (!reactions.empty())
+    out += folded("Reactions under each load case",
+                  table({"load case", "reaction on", "force x", "force y", "moment about the origin"}, reactions));
+  return out;
+}
+
 std::string contact_table(const Result& r) {
   const ContactResultSummary& c = *r.contact;
   Facts facts;
@@ -147,6 +178,10 @@ std::string cracks_section(const Result& r) {
   std::string out = "<h2>Cracks</h2>\n";
   for (std::size_t i = 0; i < r.cracks.size(); ++i) out += crack_section(r.cracks[i], i, r.units);
   return out;
+}
+
+std::string load_cases_section(const Result& r) {
+  return r.load_cases.empty() ? std::string() : "<h2>Load cases</h2>\n" + load_case_table(r);
 }
 
 std::string tables_section(const Result& r) {
