@@ -240,7 +240,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
   const Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
   const Bows bows = bows_as_solved(c, mesh);
   Lines out;
-  Notes notes = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
+  Notes notes = notes_on_files(c);
   if (c.mesh)
     if (const auto problem = find_problem(c.shape))
       notes.push_back(

@@ -70,6 +70,32 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
   return notes;
 }
 
+std::string note_on_growth(const Functional& j, const Body& body, ContactMethod contact, const Analysis& analysis) {
+  constexpr double grows = 1.1, little = 1e-5;  // of its energies: less is what is straight between readings
+  if (std::ranges::none_of(j.terms, [](const Term& t) { return t.measured.has_value(); })) return {};
+  const Model& model = *analysis.model;
+  const double J = analysis.value, floor = little * std::max(std::abs(potential_energy(model, *analysis.state)),
+                                                             std::abs(work_of_loads(model, *analysis.state)));
+  if (!(std::abs(J) > floor)) return {};
+  Sizing coarse = body.sizing;
+  coarse.size = 2 * (coarse.size > 0 ? coarse.size : extent(body.shape) / 40);
+  coarse.crack_tip_size *= 2;
+  try {
+    const Model before = prepare(triangulate(body.shape, coarse), body.element, body.scene, model.threads);
+    const State state = solve(before, contact);
+    if (!certified(state)) return {};
+    const double value = analyze(j, before, state, true).value;
+    if (!(std::abs(J) > grows * std::abs(value) + floor)) return {};
+    return fmt::format(
+        "the misfit grows as the mesh gets finer: {:.4g} with edges of {:.3g}, {:.4g} on this mesh. Measured "
+        "displacements that jump or scatter along the boundary, or do not fit the supports at its ends, do that; J "
+        "compares bodies on one mesh alone then",
+        value, coarse.size, J);
+  } catch (const Error&) {  // what cannot be meshed or solved so coarsely is not compared
+    return {};
+  }
+}
+
 Mapped make_map(const MapTask& task, Analysis& analysis, const PlotData& data, const SingularZones& zones) {
   if (!is_clamped(task)) analysis.fields = recover_fields(analysis, data.corners);
   Mapped map;

@@ -15,6 +15,11 @@ Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map);
 std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis, const Shape& shape,
                                   const std::vector<CrackResult>& cracks);
 
+/// Whether a misfit is larger than on a mesh of twice the size, in words: measured displacements that jump, or are
+/// scattered, have an energy that every finer mesh sees more of. J: on the mesh of the body; empty for other
+/// functionals.
+std::string note_on_growth(const Functional& j, const Body& body, ContactMethod contact, const Analysis& analysis);
+
 struct Mapped {
   FullMap full;
   MapResult result;

@@ -298,7 +298,7 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
     r.state->notes.push_back(
         fmt::format("state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
                     r.steps.back().name));
-  const std::vector<std::string> about_mesh = c.mesh ? notes_on_file(c) : crowded_tips(c.shape, c.sizing);
+  const std::vector<std::string> about_mesh = notes_on_files(c);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
   for (std::string& words : notes_on_contact(r.cracks, adapted.model, adapted.state))
@@ -333,6 +333,10 @@ Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with
                      "weighted sum over all load cases",
                      r.state->load_case)});
   note(notes_on(c.functional, analysis, c.shape, r.cracks));
+  if (!c.mesh)
+    if (const std::string grows = note_on_growth(c.functional, body_of(c, solved.adapted), c.contact, analysis);
+        !grows.empty())
+      note({grows});
   if (!with_map) {
     journal.seconds.solve += journal.lap();
     return analysis;

@@ -81,8 +81,13 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, 
   return notes;
 }
 
-std::vector<std::string> notes_on_file(const Case& c) {
+std::vector<std::string> notes_on_files(const Case& c) {
   std::vector<std::string> notes = c.file_notes;
+  if (!c.mesh) {
+    const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
+    notes.insert(notes.end(), crowded.begin(), crowded.end());
+    return notes;
+  }
   constexpr std::string_view unlike =
       "the mesh of domain.file is used as it is: with friction K_II may be wrong by up to a tenth at tips where it is "
       "not its own mirror image in the crack";

@@ -37,8 +37,8 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, 
 /// Whether chords stand for curved sides, so that what is bounded is of the polygon.
 bool is_of_polygon(const Shape& shape, const Mesh& mesh);
 
-/// What a mesh from a file leaves to be desired.
-std::vector<std::string> notes_on_file(const Case& c);
+/// What files that the case names leave to be desired, a mesh of them or the one that is to be made.
+std::vector<std::string> notes_on_files(const Case& c);
 
 /// Graded at the ends of contact; `how.error` and what belongs to it are not asked.
 Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal);

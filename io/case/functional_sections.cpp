@@ -49,6 +49,7 @@ struct Reader {
   const std::filesystem::path& folder;
   Definitions& definitions;
   const Case& c;
+  std::vector<std::string>* notes;  // nobody's, where none is asked for
 
   ScalarField scalar(const Value& field) const {
     return [f = formula(field, definitions, false).value](const Vec2& x) { return f(x, Vec2::Zero()); };
@@ -104,8 +105,11 @@ struct Reader {
       return misfit(labels[0], [](const Vec2&, const Vec2&) -> Vec2 {
         throw std::logic_error("the synthetic data have not been computed yet");
       });
-    if (measured.node->kind == Node::Kind::String)
-      return misfit(labels[0], read_measured(folder / text(measured), measured, c.shape, labels[0]));
+    if (measured.node->kind == Node::Kind::String) {
+      MeasuredField read = read_measured(folder / text(measured), measured, c.shape, labels[0]);
+      if (notes) notes->insert(notes->end(), read.notes.begin(), read.notes.end());
+      return misfit(labels[0], std::move(read.value));
+    }
     if (measured.node->kind != Node::Kind::Array)
       fail(
           measured.node->position,
@@ -182,8 +186,8 @@ struct Reader {
 }  // namespace
 
 Functional read_functional_table(const Value& table, const std::filesystem::path& folder, Definitions& definitions,
-                                 const Case& c) {
-  const Reader reader{folder, definitions, c};
+                                 const Case& c, std::vector<std::string>* notes) {
+  const Reader reader{folder, definitions, c, notes};
   const std::string kind = read_kind(table);
   Functional functional{.kind = kind, .terms = {}, .sum = kind == "sum"};
   if (kind != "sum") {
@@ -216,7 +220,8 @@ Functional read_functional_table(const Value& table, const std::filesystem::path
 
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
   const auto table = find_table(document, "functional");
-  c.functional = table ? read_functional_table(*table, folder, definitions, c) : Functional{.terms = {energy()}};
+  c.functional =
+      table ? read_functional_table(*table, folder, definitions, c, &c.file_notes) : Functional{.terms = {energy()}};
 }
 
 namespace {

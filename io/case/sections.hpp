@@ -67,9 +67,9 @@ void read_steps(const Value& document, const std::vector<std::optional<Value>>& 
 /// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
 
-/// The same for any table that has its keys.
+/// The same for any table that has its keys. `notes`: where those on files of measured data go.
 Functional read_functional_table(const Value& table, const std::filesystem::path& folder, Definitions& definitions,
-                                 const Case& c);
+                                 const Case& c, std::vector<std::string>* notes = nullptr);
 
 /// The key `measured` of [functional] that asks for synthetic data.
 std::optional<Value> synthetic_misfit(const Value& document);

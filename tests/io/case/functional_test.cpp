@@ -157,7 +157,7 @@ struct Measured : testing::Test {
   }
 };
 
-TEST_F(Measured, LinearBetweenPointsInFileOrder) {
+TEST_F(Measured, LinearBetweenNeighbors) {
   const Case c = with("u_x,u_y,x,y,name\n0,0,2,1,a\n1,2,1,1.001,b\n4,4,0.0,1,c\n");
   ASSERT_EQ(c.functional.terms.size(), 1u);
   ASSERT_TRUE(c.functional.terms[0].measured);
@@ -165,8 +165,91 @@ TEST_F(Measured, LinearBetweenPointsInFileOrder) {
   EXPECT_EQ(s.label, 2);
   EXPECT_NEAR((s.value({1.5, 1}, {0, 1}) - Vec2(0.5, 1)).norm(), 0, 2e-3);
   EXPECT_NEAR((s.value({0.25, 1}, {0, 1}) - Vec2(3.25, 3.5)).norm(), 0, 2e-3);
-  EXPECT_EQ(s.value({2.01, 1}, {0, 1}), Vec2(0, 0)) << "constant beyond the ends, as far as the data reach";
+  EXPECT_EQ(s.value({2.01, 1}, {0, 1}), Vec2(0, 0)) << "the end of the label is the nearest place";
   EXPECT_THROW(s.value({2.1, 1}, {0, 1}), Error);
+  EXPECT_TRUE(c.file_notes.empty());
+}
+
+TEST_F(Measured, StraightOnToTheEndsWhateverTheOrder) {
+  const std::string head = "x,y,u_x,u_y\n";
+  const std::vector<std::string> rows{"0.25,1,0.25,1\n", "0.75,1,0.75,3\n", "1.25,1,1.25,5\n", "1.75,1,1.75,7\n"};
+  for (const std::array order : {std::array{0, 1, 2, 3}, std::array{2, 0, 3, 1}, std::array{3, 2, 1, 0}}) {
+    std::string data = head;
+    for (const int k : order) data += rows[static_cast<std::size_t>(k)];
+    const Case c = with(data + "0.5,0,9,9\n1,0.5,9,9\n");
+    const auto& value = c.functional.terms.at(0).measured->value;
+    for (const double x : {0., 0.1, 0.25, 0.6, 1.1, 1.9, 2.})
+      EXPECT_NEAR((value({x, 1}, {0, 1}) - Vec2(x, 4 * x)).norm(), 0, 1e-12) << x;
+    ASSERT_EQ(c.file_notes.size(), 2u);
+    EXPECT_NE(c.file_notes[0].find(": 25 % of \"top\" lies beyond the outer readings, up to 0.25 at ("),
+              std::string::npos);
+    EXPECT_EQ(c.file_notes[1].substr(c.file_notes[1].find(": 2 ")),
+              ": 2 readings are left out: 1 on other sides, 1 further than 0.0224 from the boundary");
+  }
+}
+
+// Displacements u = (x, y) of points on a path around corners, in a drawn order, with and without the corners.
+TEST(MeasuredAlong, CornersHolesAndMouthsAreNotCut) {
+  TemporaryFolder folder;
+  const std::string body = R"([domain]
+outline = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+sides = ["rim", "rim", "rim", "left"]
+[material]
+young = 1
+poisson = 0.3
+[[hole]]
+name = "h"
+circle = { center = [0.1, 0.2], radius = 0.3 }
+[[crack]]
+name = "c"
+path = [[0.5, -1], [0.5, -0.5]]
+[[boundary]]
+on = "left"
+displacement = [0, 0]
+)";
+  // Differentiable along each side, apart at the mouth of the crack.
+  const auto u = [](const Vec2& x) { return Vec2(2 * x.x() - x.y() + (x.x() > 0.5 ? 1.5 * (1 - x.y()) : 0), x.y()); };
+  for (const bool corners : {true, false}) {
+    std::vector<Vec2> at;
+    for (int i = corners ? 0 : 1; i <= (corners ? 40 : 39); i += corners ? 2 : 1) {
+      const double t = -1 + 0.05 * i;
+      for (const Vec2& x : {Vec2(t, -1), Vec2(1, t), Vec2(t, 1)})
+        if (x != Vec2(0.5, -1)) at.push_back(x);
+    }
+    std::string data = "x,y,u_x,u_y\n";
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const Vec2 x = at[(37 * k) % at.size()];
+      data += fmt::format("{},{},{},{}\n", x.x(), x.y(), u(x).x(), u(x).y());
+    }
+    folder.write("data.csv", data);
+    const Case c =
+        read_case(folder.write("a.toml", body + "[functional]\nkind = 'misfit'\non = 'rim'\nmeasured = 'data.csv'\n"));
+    const auto& value = c.functional.terms.at(0).measured->value;
+    for (int k = 0; k < 300; ++k) {
+      const double t = -1 + (k + 0.5) / 150;
+      for (const auto& [x, n] :
+           {std::pair(Vec2(t, -1), Vec2(0, -1)), std::pair(Vec2(1, t), Vec2(1, 0)), std::pair(Vec2(t, 1), Vec2(0, 1))})
+        ASSERT_NEAR((value(x, n) - u(x)).norm(), 0, 1e-9) << x.transpose();
+    }
+    EXPECT_EQ(c.file_notes.size(), 1u) << "to the mouth, and to the corners";
+  }
+  // Around the hole, twelve readings: linear in the angle between them.
+  std::string data = "x,y,u_x,u_y\n";
+  for (int k = 0; k < 12; ++k) {
+    const double t = 2 * pi * ((5 * k) % 12) / 12;
+    data += fmt::format("{},{},{},1\n", 0.1 + 0.3 * std::cos(t), 0.2 + 0.3 * std::sin(t), std::cos(t));
+  }
+  folder.write("data.csv", data);
+  const Case c =
+      read_case(folder.write("a.toml", body + "[functional]\nkind = 'misfit'\non = 'h'\nmeasured = 'data.csv'\n"));
+  EXPECT_TRUE(c.file_notes.empty());
+  for (int k = 0; k < 100; ++k) {
+    const double t = 2 * pi * (k + 0.3) / 100, h = 2 * pi / 12;
+    const Vec2 n(std::cos(t), std::sin(t));
+    const double part = t / h - std::floor(t / h), before = std::floor(t / h) * h;
+    const double expected = (1 - part) * std::cos(before) + part * std::cos(before + h);
+    EXPECT_NEAR(c.functional.terms.at(0).measured->value(Vec2(0.1, 0.2) + 0.3 * n, -n).x(), expected, 1e-4);
+  }
 }
 
 TEST_F(Measured, Expressions) {
@@ -175,15 +258,21 @@ TEST_F(Measured, Expressions) {
 }
 
 TEST_F(Measured, WrongData) {
-  EXPECT_EQ(message("x,y,u_x,u_y\n0,1,0,0\n1.5,1,0,0\n"),
-            "a.toml:10:12: measured in [functional] = \"data.csv\": the data are 0.5 from the boundary point "
-            "(2, 1); measure along the whole label, no further from it than 0.02236 (1 % of the body's size)");
+  const std::string where = "a.toml:10:12: measured in [functional] = \"data.csv\": ";
+  EXPECT_EQ(message("x,y,u_x,u_y\n0,1,0,0\n0.7,1,0,0\n1.2,1,0,0\n"),
+            where +
+                "the data end 0.8 before the boundary point (2, 1); measure along the whole label \"top\", to its "
+                "ends and corners or as near to them as the readings are apart");
+  EXPECT_EQ(message("x,y,u_x,u_y\n0,0,0,0\n2,1,0,0\n"),
+            where +
+                "the data end 2 before the boundary point (0, 1); measure along the whole label \"top\", to its "
+                "ends and corners or as near to them as the readings are apart");
   EXPECT_EQ(message("x,y,u_x,u_z\n0,1,0,0\n"),
             "data.csv:1:1: the first line must name the columns, x,y,u_x,u_y among them");
   EXPECT_EQ(message("x,y,u_x,u_y\n0,1,0\n"), "data.csv:2:1: 3 cells instead of 4");
   EXPECT_EQ(message("x,y,u_x,u_y\n0,1,0,nan\n"), "data.csv:2:1: \"nan\" is not a finite number");
   EXPECT_EQ(message("x,y,u_x,u_y\n0,1,0,0\n"),
-            "a.toml:10:12: measured in [functional]: \"data.csv\" has one point; give at least 2, in order along the "
+            "a.toml:10:12: measured in [functional]: \"data.csv\" has one point; give at least 2 along the "
             "boundary");
   EXPECT_NE(error(square + lines, {}, Fault::Files).find("a.toml:10:12: measured in [functional]: "),
             std::string::npos);
