@@ -1,4 +1,6 @@
 #include "app/draw.hpp"
+#include "app/load_cases.hpp"
+#include "app/optimize.hpp"
 #include "app/refuse.hpp"
 #include "app/run.hpp"
 #include "app/solve.hpp"
@@ -211,16 +213,44 @@ void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh,
 }
 
 void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
-  const std::vector<Index> found = locate(mesh, points);
-  if (const auto lost = std::count(found.begin(), found.end(), none))
-    notes.push_back(fmt::format("{}: {} of {} points lie outside the body", whose, lost, points.size()));
+  if (std::string note = note_on_points(whose, mesh, points); !note.empty()) notes.push_back(std::move(note));
 }
 
-void note_loads(Notes& notes, const Scene& scene) {
-  if (scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
-  if (scene.supports.empty() && scene.tractions.empty() && !scene.body && !has_eigenstrain(scene) &&
-      std::ranges::none_of(scene.laws, [](const CrackLaw& law) { return has_pressure(law) || has_gap(law); }))
-    notes.push_back("nothing acts on the body: the solution is zero");
+/// What acts in one of the solutions of a run, and how messages call it: the loads of the scene, of each load case, of
+/// each step.
+std::vector<std::pair<std::string, Scene>> scenes_of_run(const Case& c) {
+  std::vector<std::pair<std::string, Scene>> all;
+  if (c.optimize)
+    for (const LoadCase& load_case : c.optimize->load_cases)
+      all.emplace_back(fmt::format("load case \"{}\": ", load_case.name), under(c, load_case).scene);
+  for (const LoadStep& step : c.steps) all.emplace_back(fmt::format("step \"{}\": ", step.name), step.scene);
+  if (all.empty()) all.emplace_back("", c.scene);
+  return all;
+}
+
+void note_loads(Notes& notes, const Case& c) {
+  if (c.scene.supports.empty()) notes.push_back("nothing is supported: the loads must be in equilibrium");
+  for (const auto& [whose, scene] : scenes_of_run(c))
+    if (const std::string note = note_on_loads(scene, c.shape); !note.empty()) notes.push_back(whose + note);
+}
+
+/// Throws what a run would throw before it solves: loads that nothing holds, too much contact.
+void prepare_as_solved(const Case& c, const Mesh& mesh) {
+  for (const auto& [whose, scene] : scenes_of_run(c)) try {
+      prepare(mesh, c.element, scene, 1, {.factorize = false});
+    } catch (const FoldedTriangle&) {
+      if (c.curved.value_or(false)) throw;
+    } catch (const Error& e) {
+      throw Error(e.fault, whose + e.what());
+    }
+}
+
+/// The design to begin with, where it takes more of the body than is allowed.
+void note_start(Notes& notes, const Case& c) {
+  if (!c.optimize || !c.optimize->volume_at_most || !c.optimize->level_set.start_design) return;
+  const double share = area(*c.optimize->level_set.start_design) / area(c.shape);
+  if (std::string note = note_on_start(share, *c.optimize->volume_at_most); !note.empty())
+    notes.push_back(std::move(note));
 }
 
 /// As a run would have them: no curved edges where one of them would fold its triangle.
@@ -261,7 +291,9 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
   for (const Probe& probe : c.probes) note_lost(notes, fmt::format("probe \"{}\"", probe.name), mesh, probe.points);
   if (c.map && !c.map->points.empty()) note_lost(notes, "map", mesh, c.map->points);
   if (c.validate) note_lost(notes, "validate", mesh, c.validate->points);
-  note_loads(notes, c.scene);
+  note_loads(notes, c);
+  note_start(notes, c);
+  if (std::string note = note_on_size(c, mesh.triangles.size()); !note.empty()) notes.push_back(std::move(note));
   if (!folder.empty() && c.output.png) {
     const std::filesystem::path file = folder / "check.png";
     try {
@@ -274,6 +306,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
       notes.push_back(fmt::format("no picture: {}", e.what()));
     }
   }
+  prepare_as_solved(c, mesh);
   if (!notes.empty()) out.print("\n");
   for (const std::string& note : notes) out.print("note: {}\n", note);
   return out.text();

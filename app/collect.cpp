@@ -249,6 +249,8 @@ MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMa
   for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
     if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));
   r.masked_share = masked / area(model);
+  if (std::ranges::find(map.masked_centroid, false) == map.masked_centroid.end())  // extrema of nothing
+    r.min = r.max = {Vec2::Constant(nan), nan};
   r.oriented = map.angle.size() > 0;
   r.second = map.c2.size() > 0 && map.second_note.empty();
   return r;

@@ -153,6 +153,27 @@ Case with_data(Case c, const RunOptions& options) {
   return c;
 }
 
+std::string note_on_start(double share, double at_most) {
+  constexpr double kept = 1e-3;  // relative
+  if (share <= (1 + kept) * at_most) return {};
+  return fmt::format(
+      "the design to begin with takes {:.4g} of the area, more than volume.at_most = {:.4g}: the first iterations take "
+      "material away, whatever J does",
+      share, at_most);
+}
+
+namespace {
+
+/// Of a design that was given: the full body is above every limit.
+std::string note_on_given_start(const OptimizeRequest& r, const OptimizeResult& result) {
+  const bool given = r.level_set.start_design || r.level_set.start || !r.design.drawn.empty();
+  return given && r.volume_at_most && !result.history.empty()
+             ? note_on_start(result.history.front().volume_fraction, *r.volume_at_most)
+             : std::string();
+}
+
+}  // namespace
+
 OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   journal.begin("optimize");
   OptimizeRequest request = task.request;
@@ -177,6 +198,7 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
     out.result = request.method == OptimizeMethod::LevelSet
                      ? optimize_level_set(task.problem, request, see, place)
                      : optimize_parameters(task.problem, request, see, place, task.farm);
+    if (std::string above = note_on_given_start(request, out.result); !above.empty()) notes.push_back(std::move(above));
     out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
     if (task.fit) fit_readings(task, request, journal, out);
   } catch (const Stopped&) {

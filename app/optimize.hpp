@@ -26,6 +26,9 @@ struct OptimizeTask {
 /// measure does.
 Case with_data(Case c, const RunOptions& options);
 
+/// Where a design to begin with takes a larger share of the body than is allowed: how much. Empty otherwise.
+std::string note_on_start(double share, double at_most);
+
 /// What a result says about an optimization. `identified`: with synthetic data.
 struct OptimizeSection {
   OptimizeResult result;

@@ -182,6 +182,8 @@ Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData
   r.excluded_radius = task.zones.radius;
   r.radius = c.map_request.radius;
   r.masked_share = sum(peers, masked) / found.area;
+  constexpr double rounding = 1e-9;
+  if (r.masked_share > 1 - rounding) r.min = r.max = {Vec2::Constant(nan), nan};  // extrema of nothing
   r.biactive_length = a.biactive_length;
   r.oriented = map.full.angle.size() > 0;
   found.map = std::move(r);

@@ -298,6 +298,13 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
     r.state->notes.push_back(
         fmt::format("state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
                     r.steps.back().name));
+  std::string loads = note_on_loads(c.scene, c.shape);
+  if (loads.empty() && certified(adapted.state) && !has_stress(adapted.model, adapted.state))
+    loads =
+        "there is no stress in the body: its loads are 0 wherever they were looked at, and what is prescribed moves "
+        "it as a rigid one";
+  for (std::string note : {std::move(loads), note_on_size(c, adapted.model.mesh.triangles.size())})
+    if (!note.empty()) r.state->notes.push_back(std::move(note));
   const std::vector<std::string> about_mesh = notes_on_files(c);
   r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
@@ -564,6 +571,12 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   if (const auto asked = bounds_asked(c); asked && certified(adapted.state)) bound(*out, *asked, journal, r);
   const std::vector<std::vector<BoundedStress>> bounded = bound_probes(*out, journal);
   journal.begin("write");
+  const auto outside = [&](const std::string& whose, const std::vector<Vec2>& points) {
+    if (std::string note = note_on_points(whose, adapted.model.mesh, points); !note.empty())
+      r.state->notes.push_back(std::move(note));
+  };
+  for (const Probe& probe : c.probes) outside(fmt::format("probe \"{}\"", probe.name), probe.points);
+  if (r.map && c.map && !c.map->points.empty()) outside("map", c.map->points);
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (std::size_t i = 0; i < c.probes.size(); ++i)
     write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, map_task(c), mapped), bounded[i]);

@@ -3,8 +3,10 @@
 #include "app/draw.hpp"
 #include "app/files.hpp"
 #include "geometry/curved.hpp"
+#include "geometry/plane.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/stop.hpp"
+#include "optimize/refuse.hpp"
 #include "solver/resultants.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/system.hpp"
@@ -79,6 +81,38 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, 
         "the pressure there, and the stress is not that of 1/sqrt(r)",
         cracks[static_cast<std::size_t>(slides - scene.laws.begin())].name));
   return notes;
+}
+
+std::string note_on_loads(const Scene& scene, const Shape& shape) {
+  const bool by_faces = std::ranges::any_of(scene.laws, [](const CrackLaw& law) { return has_gap(law); });
+  if (has_eigenstrain(scene) || by_faces || !nothing_acts(scene, shape)) return {};
+  return "nothing acts on the body, and its displacements and stresses are 0: give it a traction, a pressure, a body "
+         "force, an eigenstrain or a prescribed displacement that is not 0";
+}
+
+std::string note_on_size(const Case& c, std::size_t triangles) {
+  if (c.mesh || !(c.sizing.size > 0)) return {};
+  Vec2 low = c.shape.outline.sides.front().start, high = low;
+  for (const Side& side : c.shape.outline.sides) low = low.cwiseMin(side.start), high = high.cwiseMax(side.start);
+  for (const Arc& arc : arcs_of(c.shape))
+    for (const Vec2& x : points_on(arc, 8)) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double width = (high - low).minCoeff();
+  constexpr double resolved = 0.1;
+  if (!(c.sizing.size >= width)) return {};
+  return fmt::format(
+      "mesh.size = {:.3g} is no smaller than the body is wide, {:.3g}: the mesh has {} triangles, as few as its "
+      "corners "
+      "and cracks allow, and resolves no field; take {:.2g} or less",
+      c.sizing.size, width, triangles, resolved * width);
+}
+
+std::string note_on_points(const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
+  const std::vector<Index> found = locate(mesh, points);
+  const auto lost = std::ranges::count(found, none);
+  if (lost == 0) return {};
+  const Vec2& first = points[static_cast<std::size_t>(std::ranges::find(found, none) - found.begin())];
+  return fmt::format("{}: {} of {} points lie outside the body, the first at ({:.6g}, {:.6g}): there is no value there",
+                     whose, lost, points.size(), first.x(), first.y());
 }
 
 std::vector<std::string> notes_on_files(const Case& c) {

@@ -35,6 +35,9 @@ std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask);
 std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r);
 /// Functionals that know one set of loads only.
 std::optional<std::string> wrong_load_cases(const Functional& objective, const OptimizeRequest& r);
+/// Whether no traction, body force, pressure in a crack and prescribed displacement is anything but 0: false where that
+/// is not known for certain.
+bool nothing_acts(const Scene& scene, const Shape& body);
 /// There must be something that can move.
 std::optional<std::string> wrong_design(const OptimizeRequest& r);
 

@@ -1,5 +1,6 @@
 #include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
+#include "io/document.hpp"
 #include "io/words.hpp"
 #include "optimize/refuse.hpp"
 
@@ -61,9 +62,16 @@ Shape read_design_file(const Value& field, const std::filesystem::path& folder, 
   const auto refuse = [&](const std::string& why) {
     fail(field.node->position, fmt::format("{} = {}: {}", field.name, quote(text(field)), why));
   };
+  const std::filesystem::path path = folder / text(field);
+  std::error_code none_there;
+  if (std::filesystem::equivalent(path, folder / (c.name + ".toml"), none_there))
+    refuse("that is this case itself; name another file, such as the design.toml of an earlier run");
   Shape design;
   try {
-    design = read_case(folder / text(field)).shape;
+    Node document = read_document(path);  // its own start is nothing to this one
+    for (Entry& entry : document.entries)
+      if (entry.key == "optimize") std::erase_if(entry.value.entries, [](const Entry& e) { return e.key == "start"; });
+    design = read_case(std::move(document), {path.stem().string(), path.parent_path(), path.string() + ":1:1"}).shape;
   } catch (const Error& error) {
     refuse(error.what());
   }

@@ -1,4 +1,5 @@
 #include "io/history.hpp"
+#include "io/map_words.hpp"
 #include "io/result.hpp"
 #include "io/text.hpp"
 #include "io/validation.hpp"
@@ -235,14 +236,18 @@ void add_bounds(std::string& out, const BoundsResult& bounds, const Units& u, co
 }
 
 void add_map(std::string& out, const MapResult& map, const std::string& unit) {
-  add(out, "map", {clean_text(map.perturbation), item("min", map.min.value, unit) + ' ' + at(map.min.at)});
-  add(out, "", {item("max", map.max.value, unit) + ' ' + at(map.max.at)});
-  if (map.excluded_radius > 0) {
+  if (std::isfinite(map.min.value)) {
+    add(out, "map", {clean_text(map.perturbation), item("min", map.min.value, unit) + ' ' + at(map.min.at)});
+    add(out, "", {item("max", map.max.value, unit) + ' ' + at(map.max.at)});
+  } else {
+    add_sentence(out, "map", clean_text(map.perturbation) + ": " + without_extrema(map));
+  }
+  if (map.excluded_radius > 0 && std::isfinite(map.min.value)) {
     add_sentence(
         out, "",
         fmt::format("min and max leave out {} around crack tips and reentrant corners", six(map.excluded_radius)));
   }
-  if (map.masked_share > 0)
+  if (map.masked_share > 0 && std::isfinite(map.min.value))
     add_sentence(
         out, "",
         fmt::format(
@@ -318,6 +323,15 @@ void add_times(std::string& out, const Result& result) {
 }
 
 }  // namespace
+
+std::string without_extrema(const MapResult& map) {
+  if (map.masked_share > 0)
+    return fmt::format(
+        "masked everywhere: at every place a change of radius {} comes too near to something, and nothing can be said "
+        "of it; a smaller map.radius leaves room",
+        six(map.radius));
+  return map.points.empty() ? "no place of the body has a value" : "none of the points has a value";
+}
 
 std::string summary(const Result& result) {
   std::string out;

@@ -99,12 +99,13 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
 }  // namespace
 
 LevelSetStart best_start(const Ground& g) {
-  const bool given = g.r.level_set.start || g.r.level_set.start_design;
-  const auto most = static_cast<std::size_t>(std::max(1, g.r.starts));
+  const bool design = g.r.level_set.start_design.has_value(), given = g.r.level_set.start || design;
+  // A design is begun with, unless others are asked for beside it.
+  const auto most = static_cast<std::size_t>(std::max(1, g.r.starts)), densities = design ? most - 1 : most;
   std::vector<LevelSetStart> all;
-  if (!no_density_stage(g.p, g.r) && !g.weak() && !g.turns())
+  if (densities > 0 && !no_density_stage(g.p, g.r) && !g.weak() && !g.turns())
     for (const DensityDesign& d : density_designs(g.p, g.r))
-      if (all.size() < most) all.push_back(of_density(g, d));
+      if (all.size() < densities) all.push_back(of_density(g, d));
   if (all.empty() || given || all.size() < most) all.push_back(given_start(g));
   if (all.size() == 1) return all.front();
   const auto n = static_cast<Index>(all.size());
@@ -120,6 +121,7 @@ LevelSetStart best_start(const Ground& g) {
   }
   all[best].solves = solves;
   all[best].name += fmt::format(", the best of {} starts", all.size());
+  if (given && best + 1 < all.size()) all[best].name += fmt::format(": better than {}", all.back().name);
   return all[best];
 }
 

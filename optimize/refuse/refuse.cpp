@@ -48,6 +48,8 @@ bool vanishes(const auto& f, const Shape& body) {
   return is_zero(f.known()->over({low.x(), high.x()}, {low.y(), high.y()}));
 }
 
+}  // namespace
+
 bool nothing_acts(const Scene& scene, const Shape& body) {
   return std::ranges::all_of(scene.tractions, [&](const Traction& t) { return vanishes(t.value, body, t.label); }) &&
          (!scene.body || vanishes(scene.body, body)) &&
@@ -55,6 +57,8 @@ bool nothing_acts(const Scene& scene, const Shape& body) {
                              [&](const CrackLaw& law) { return !law.pressure || vanishes(law.pressure, body); }) &&
          std::ranges::all_of(scene.supports, [&](const Support& s) { return vanishes(s.value, body, s.label); });
 }
+
+namespace {
 
 /// Without loads nothing moves, whatever the design; measured displacements move the body of a misfit.
 void look_at_loads(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {

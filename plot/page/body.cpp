@@ -1,3 +1,4 @@
+#include "io/map_words.hpp"
 #include "io/text.hpp"
 #include "plot/figure/ticks.hpp"
 #include "plot/page/sections.hpp"
@@ -95,6 +96,7 @@ std::string map_section(const Result& r, const std::string& figure) {
   const MapResult& map = *r.map;
   const std::string of = unit_of_map(r);
   std::string out = fmt::format("<h2>Topological derivative: {}</h2>\n", escape_html(map.perturbation)) + figure;
+  if (!std::isfinite(map.min.value)) return out + note(without_extrema(map), true);
   out += table(
       {"", "value" + (of.empty() ? "" : " in " + escape_html(of)), "at"},
       {{"min", pretty(map.min.value), at_place(map.min.at)}, {"max", pretty(map.max.value), at_place(map.max.at)}});

@@ -1,4 +1,5 @@
 #include "io/history.hpp"
+#include "io/map_words.hpp"
 #include "io/text.hpp"
 #include "plot/figure/ticks.hpp"
 #include "plot/page/sections.hpp"
@@ -38,8 +39,7 @@ std::string of_refinement(const AdaptResult& adapt) {
 }
 
 std::string of_map(const MapResult& map) {
-  if (!std::isfinite(map.min.value))
-    return line("map", Mood::Warn, "no values", "no place of the body has a value of the map");
+  if (!std::isfinite(map.min.value)) return line("map", Mood::Warn, "no values", without_extrema(map));
   std::string why = fmt::format("from {} to {}", pretty(map.min.value), pretty(map.max.value));
   if (map.masked_share > 0)
     why += fmt::format("; at radius {} it says nothing of {:.3g} % of the area", pretty(map.radius),

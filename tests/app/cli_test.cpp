@@ -340,7 +340,7 @@ TEST_F(Cli, CheckSolvesNothing) {
   EXPECT_FALSE(fs::exists(folder / "none"));
   for (const char* words : {"Square", "(0, 0) to (1, 1), area 1, 0 holes", "c: unilateral, length 0.5",
                             "(0, 0.5) on left to (0.5, 0.5) interior", "displacement", "traction", "free",
-                            "probe \"p\": 1 of 2 points lie outside the body"})
+                            "probe \"p\": 1 of 2 points lie outside the body, the first at ("})
     EXPECT_NE(o.out.find(words), std::string::npos) << words << "\n" << o.out;
 }
 

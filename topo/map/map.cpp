@@ -303,7 +303,9 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   std::vector<MapPoint> map(points.size());
   if (!has_series(r.perturbation)) {
     const std::vector<double> value = clamped_at(a, j, r.radius, points);
-    for (std::size_t i = 0; i < points.size(); ++i) map[i] = {.at = points[i], .value = value[i], .masked = masked[i]};
+    const std::vector<Index> where = locate(m.mesh, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      map[i] = {.at = points[i], .value = value[i], .masked = masked[i] && where[i] != none};
     return map;
   }
   const Expansion e(a, j, r.perturbation);
@@ -311,7 +313,7 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   const std::shared_ptr<const MapFields> fields = fields_of(a);
   std::vector<bool> closed = no_row_closed(a);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    map[i] = {.at = points[i], .value = nan, .masked = masked[i]};
+    map[i] = {.at = points[i], .value = nan, .masked = masked[i] && where[i] != none};
     if (where[i] == none) continue;
     const Oriented t = expand_at(e, *fields, where[i], points[i], closed);
     map[i].value = t.value;
