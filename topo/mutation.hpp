@@ -10,6 +10,7 @@ enum class FormulaPart {
   HoleTrace,
   InclusionTrace,
   InclusionDeviator,
+  InclusionMisfit,
   EllipseProduct,
   EllipseTrace,
   EllipseShorter,

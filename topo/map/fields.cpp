@@ -42,8 +42,7 @@ PointValues values_at(const Expansion& e, const MapFields& f, Index t, const Vec
         return recovered_at(of.model, of.field, f.corners, f.recovered[of.number], {t, x});
       },
       [&](const FieldOf& of, bool recovered) { return displacement_at(of.model, of.field, t, x, recovered); });
-  v.x = x;
-  v.material = material_of(e.a.model->mesh, e.a.model->scene, t);
+  set_place(e, t, x, v);
   return v;
 }
 

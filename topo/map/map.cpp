@@ -119,8 +119,7 @@ class Everywhere {
         PointValues v = point_values(
             e_, [&](const FieldOf& of) -> Eigen::Vector3d { return (fields_.recovered[of.number].*stress).col(i); },
             [&](const FieldOf& of, bool) -> Vec2 { return (moved_[of.number].*displacement).col(i); });
-        v.x = nodes.x[static_cast<std::size_t>(i)];
-        v.material = material_of(m.mesh, m.scene, nodes.in[static_cast<std::size_t>(i)]);
+        set_place(e_, nodes.in[static_cast<std::size_t>(i)], nodes.x[static_cast<std::size_t>(i)], v);
         const Oriented t = expand(e_, v, closed);
         value[i] = t.value;
         if (angle) (*angle)[i] = t.angle;
@@ -286,8 +285,7 @@ Eigen::VectorXd sampled_expansion(const Expansion& e, const MapFields& fields, c
             return recovered_at(of.model, of.field, fields.corners, fields.recovered[of.number], {t, points.x[k]});
           },
           [&](const FieldOf& of, bool) -> Vec2 { return moved[of.number].col(i); });
-      v.x = points.x[k];
-      v.material = material_of(m.mesh, m.scene, t);
+      set_place(e, t, points.x[k], v);
       value[i] = expand(e, v, closed).value;
     }
   });
@@ -368,8 +366,7 @@ Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
           e,
           [&](const FieldOf& of) { return components(stress_at(m.inner->kernel, shape, of.field.interior.col(t), x)); },
           [&](const FieldOf& of, bool recovered) { return displacement_at(of.model, of.field, t, x, recovered); });
-      v.x = x;
-      v.material = material_of(m.mesh, m.scene, t);
+      set_place(e, t, x, v);
       value[t] = expand(e, v, closed).value;
     }
   });

@@ -9,6 +9,7 @@ using Stress = Eigen::Vector3d;
 // The same point with every stress mapped, and with displacements or without.
 template <class Map>
 PointValues mapped(PointValues v, bool moved, const Map& map) {
+  v.misfit = 0;
   for (Stress* s : {&v.stress, &v.dual, &v.measured}) *s = map(*s);
   for (Eigen::Index k = 0; k < v.openings.cols(); ++k) v.openings.col(k) = map(Stress(v.openings.col(k)));
   if (moved) return v;
@@ -57,10 +58,16 @@ std::vector<Mode> modes_of(const Expansion& e, const PointValues& v, const Orien
     modes = {{"trace", trace}, {"deviator", shear}};
     if (is_directed(fixed) || !isotropic(v.material)) modes.push_back({"mixed", stresses - trace - shear});
   }
+  double own = 0;
+  if (v.misfit != 0) {
+    std::vector<bool> closed = no_row_closed(e.a);
+    own = expand(form, v, closed).value - moved;
+    modes.push_back({"eigenstrain", own});
+  }
   if (removes_body(e.p) && e.a.model->scene.body) modes.push_back({"displacement", moved - stresses});
   for (const Term& term : e.j.terms)
     if (term.density && (term.local || removes_body(e.p))) {
-      modes.push_back({"local", whole.value - moved});
+      modes.push_back({"local", whole.value - moved - own});
       break;
     }
   return modes;

@@ -3,6 +3,7 @@
 #include "topo/formulas/axes.hpp"
 #include "topo/mutation.hpp"
 #include "topo/orthotropic.hpp"
+#include "topo/own_strain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -82,11 +83,36 @@ double size_of(const Expansion& e, const PointValues& v) {
     unit =
         std::max(unit, std::abs(row(e.p).becomes == Becomes::Material ? inclusion_form(v.material, e.p.inclusion, s, s)
                                                                       : hole_form(v.material, s, s)));
+  const double own = v.misfit == 0 ? 0 : std::abs(v.misfit) * inside(e.p, v.material).hydrostatic * std::sqrt(2.0);
   const double stress = symmetric(v.stress).norm(), measured = a.measured ? symmetric(v.measured).norm() : 0;
-  return unit *
-         (0.5 * std::abs(a.energy_share) * stress * stress + 0.5 * std::abs(a.measured_share) * measured * measured +
-          (a.adjoint ? stress * symmetric(v.dual).norm() : 0));
+  return unit * (0.5 * std::abs(a.energy_share) * stress * stress +
+                 0.5 * std::abs(a.measured_share) * measured * measured +
+                 (a.adjoint ? stress * symmetric(v.dual).norm() : 0)) +
+         own * (std::abs(a.energy_share) * stress + std::abs(a.measured_share) * measured +
+                (a.adjoint ? symmetric(v.dual).norm() : 0));
 }
+
+void set_place(const Expansion& e, Index t, const Vec2& x, PointValues& v) {
+  const Model& m = *e.a.model;
+  v.x = x;
+  v.material = material_of(m.mesh, m.scene, t);
+  v.misfit = row(e.p).becomes == Becomes::Material ? strain_beyond(m.mesh, m.scene, e.p.inclusion, t, x) : 0;
+}
+
+namespace {
+
+// What the strain `misfit` I of an inclusion does by itself to J, [theory: H.8]: its work on the stress inside.
+double of_misfit(const Expansion& e, const PointValues& v) {
+  if (v.misfit == 0) return 0;
+  const Analysis& a = e.a;
+  const double work = a.energy_share * symmetric(v.stress).trace() - (a.adjoint ? symmetric(v.dual).trace() : 0) +
+                      a.measured_share * symmetric(v.measured).trace(),
+               stored = 2 * v.material.mu / (1 + 4 * v.material.mu * e.p.inclusion.c);
+  return mutant(FormulaPart::InclusionMisfit) * v.misfit *
+         (stored * (a.energy_share + a.measured_share) * v.misfit - inside(e.p, v.material).hydrostatic * work);
+}
+
+}  // namespace
 
 Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& closed) {
   const Analysis& a = e.a;
@@ -101,6 +127,7 @@ Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& clo
     products[count++] = {-0.5 * mutant(FormulaPart::Measured) * a.measured_share, symmetric(v.measured),
                          symmetric(v.measured)};
   Oriented t = best_direction(e, v, std::span(products.data(), count));
+  t.value += of_misfit(e, v);
   const bool loaded = removes_body(p) && a.model->scene.body;
   Vec2 body = Vec2::Zero();
   if (loaded) {
@@ -113,6 +140,7 @@ Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& clo
     for (Eigen::Index i = 0; i < n; ++i) {
       g[i] = form(p, v.material, t.angle, s, symmetric(v.openings.col(i)));
       if (loaded) g[i] -= body.dot(v.opening_u.col(i));
+      if (v.misfit != 0) g[i] += v.misfit * inside(p, v.material).hydrostatic * symmetric(v.openings.col(i)).trace();
     }
     // lambda >= 0, g + S lambda >= 0, lambda (g + S lambda) = 0.
     const Unilateral push = solve_unilateral(a.biactive->opening, -g, closed);

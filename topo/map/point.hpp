@@ -30,11 +30,15 @@ struct Expansion {
 struct PointValues {
   Vec2 x = Vec2::Zero();
   Material material = {};
+  double misfit = 0;  // of an inclusion: what it strains along both axes beyond what surrounds it
   Eigen::Vector3d stress = Eigen::Vector3d::Zero(), dual = stress, measured = stress;
   Vec2 u = Vec2::Zero(), p = Vec2::Zero(), measured_u = Vec2::Zero();
   Eigen::Matrix3Xd openings = {};  // of the responses to openings
   Points opening_u = {};
 };
+
+/// Where they are, in triangle t, and what depends on the place alone.
+void set_place(const Expansion& e, Index t, const Vec2& x, PointValues& v);
 
 /// One field of an analysis, and the body that it lives in.
 struct FieldOf {

@@ -129,8 +129,7 @@ struct SecondOrders::Impl {
           return {s(0, 0), s(1, 1), s(0, 1)};
         },
         [&](const FieldOf& of, bool recovered) { return displacement_at(of.model, of.field, t, x, recovered); });
-    v.x = x;
-    v.material = material;
+    set_place(e, t, x, v);
     const TaylorField s = has_circle(p) ? fit.of(*a.state) : TaylorField{};
     std::tie(result.logarithm, result.c3) = logarithm(e, v, s);
     if (!unknown.empty()) return;

@@ -30,8 +30,7 @@ Center::Value Center::value(const Expansion& e) const {
   PointValues v = point_values(
       e, [&](const FieldOf& of) { return stress(of.field); },
       [&](const FieldOf& of, bool recovered) { return displacement(of.field, recovered); });
-  v.x = at_;
-  v.material = material_of(m_.mesh, m_.scene, last_);
+  set_place(e, last_, at_, v);
   std::vector<bool> closed = no_row_closed(e.a);
   const Oriented t = expand(e, v, closed);
   return {t.value, size_of(e, v), modes_of(e, v, t)};

@@ -1,0 +1,23 @@
+#include "topo/own_strain.hpp"
+#include "solver/data.hpp"
+#include "solver/system.hpp"
+
+namespace kerf {
+
+Eigenstrain seen_in(const Eigenstrain& here, const Material& around, const Material& inside) {
+  Eigenstrain there = here;
+  if (!here.out_of_plane) return there;
+  const double share = out_of_plane_share(around, inside);
+  const VectorField across = here.shear;
+  there.normal =
+      sum(here.normal, VectorField([=](const Vec2& x) -> Vec2 { return Vec2::Constant(share * across(x)[1]); }));
+  return there;
+}
+
+double strain_beyond(const Mesh& mesh, const Scene& scene, const Material& inclusion, Index t, const Vec2& x) {
+  const Eigenstrain* here = eigenstrain_of(mesh, scene, t);
+  if (!here || !here->out_of_plane) return 0;
+  return out_of_plane_share(material_of(mesh, scene, t), inclusion) * here->shear(x)[1];
+}
+
+}  // namespace kerf
