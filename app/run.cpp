@@ -450,9 +450,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     // Nothing is built on a state that is none: `complete` says so.
     const bool sound = !out || certified(out->solved.adapted.state);
     if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
-    if (jobs.validate && sound)
-      r.validate =
-          validate_expansion(body_of(out->c, out->solved.adapted), out->c.functional, *out->c.validate, journal);
+    if (jobs.validate && sound) r.validate = validate_expansion(out->c, body_of(out->c, out->solved.adapted), journal);
     if (jobs.optimize && sound) {
       Case design = optimize_design(given, journal, r);
       if (out) {

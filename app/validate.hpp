@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// With its file and its picture. Throws what validate throws.
-ValidationResult validate_expansion(const Body& body, const Functional& j, ValidationRequest request, Journal& journal);
+/// With its file and its picture; what is changed is drawn by the tables of a case file. Throws what validate throws.
+ValidationResult validate_expansion(const Case& c, const Body& body, Journal& journal);
 
 }  // namespace kerf

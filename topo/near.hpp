@@ -6,6 +6,7 @@
 
 namespace kerf {
 
+/// Material: another one, or a jump of the data.
 enum class Near : unsigned char { Nothing, Boundary, Crack, Material, Ring };
 
 /// Per point, of what is nearer than `reach`; of the rings of functionals less `radius`.

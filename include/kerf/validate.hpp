@@ -70,11 +70,22 @@ struct Validation {
   std::vector<ValidationRow> rows;
 };
 
+/// Where a change is drawn: in that region (none: outside of all), angle (radians) of what has one.
+struct DrawnChangeAt {
+  Index region = none;
+  Vec2 center = Vec2::Zero();
+  double radius = 0, angle = 0;
+};
+/// What acts on the body with a change drawn into it. What is new is the last of its kind: the material and the
+/// eigenstrain of an inclusion, the law of a crack, the support of a clamped rim, whose label comes after all others.
+using ScenesOfChanges = std::function<Scene(const Perturbation& change, const DrawnChangeAt& at)>;
+
 struct ValidationRequest {
   std::vector<Vec2> points;   // none: two that see every mode, far from features
   std::vector<double> radii;  // decreasing
   Perturbation perturbation;
   int threads = 1;
+  ScenesOfChanges scenes = {};  // where bodies are drawn otherwise than by the library: by the tables of a case file
 };
 
 /// One mesh with a ball around every point, factorized once; each radius costs a solve inside its ball and on the

@@ -1,5 +1,6 @@
 #include "topo/map/mask.hpp"
 #include "kerf/state.hpp"
+#include "topo/map/jumps.hpp"
 #include "topo/near.hpp"
 
 #include "geometry/plane.hpp"
@@ -24,9 +25,10 @@ struct Looked {
   std::vector<Near> to;
 };
 
-std::vector<Segment> features(const Model& m) {
+std::vector<Segment> features(const Model& m, const Functional& j) {
   const Mesh& mesh = whole_mesh(m);
   std::vector<Segment> all;
+  for (const auto& [a, b] : jumps_of_data(m, j)) all.push_back({a, b, Near::Material});
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const auto& [left, right] = mesh.sides[e];
     const bool interface =
@@ -63,7 +65,7 @@ Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, c
   const auto column = [&](double x, int d) { return static_cast<Index>(std::floor((x - low[d]) / cell)); };
   const Index across = column(high.x(), 0) + 1, up = column(high.y(), 1) + 1;
   std::vector<std::vector<Segment>> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(up));
-  for (const Segment& s : features(m)) {
+  for (const Segment& s : features(m, j)) {
     const Vec2 from = s.a.cwiseMin(s.b).array() - reach, to = s.a.cwiseMax(s.b).array() + reach;
     for (Index i = std::max(column(from.x(), 0), 0); i <= std::min(column(to.x(), 0), across - 1); ++i)
       for (Index k = std::max(column(from.y(), 1), 0); k <= std::min(column(to.y(), 1), up - 1); ++k)

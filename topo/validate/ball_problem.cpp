@@ -11,17 +11,13 @@
 
 namespace kerf {
 
-DifferenceSetting::DifferenceSetting(const Model& m, const Perturbation& p)
+DifferenceSetting::DifferenceSetting(const Model& m, const Perturbation& p, const Scene& filling)
     : whole(m.mesh),
       kernel(m.inner->kernel),
       scene(floored(m.scene)),
-      inner_scene(scene),
+      inner_scene(floored(filling)),
       becomes(row(p).becomes),
-      body(scene.body || has_eigenstrain(scene)) {
-  if (becomes != Becomes::Material) return;
-  inner_scene.material = floored(p.inclusion);
-  std::fill(inner_scene.regions.begin(), inner_scene.regions.end(), inner_scene.material);
-}
+      body(scene.body || has_eigenstrain(scene)) {}
 
 std::vector<bool> BallInMesh::shells(Index from, Index to) const {
   std::vector<bool> use(triangles, false);

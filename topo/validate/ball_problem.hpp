@@ -10,7 +10,8 @@ namespace kerf {
 
 /// What the problems of all balls and radii share.
 struct DifferenceSetting {
-  DifferenceSetting(const Model& model, const Perturbation& p);
+  /// `filling`: the scene of what fills the discs, of an inclusion.
+  DifferenceSetting(const Model& model, const Perturbation& p, const Scene& filling);
   const Mesh& whole;
   const Kernel& kernel;
   Scene scene, inner_scene;  // compliances floored; of what fills the disc

@@ -38,6 +38,7 @@ SolvedBatch::SolvedBatch(const Batch& batch, const Body& body, const Functional&
     : model(prepare(batch.filled.mesh, body.element, body.scene, body.threads, batch.how)),
       state(solved_with_balls(model)),
       a(analyze(j, model, state)),
-      differences(Differences({a, j, batch.filled}, p, batch.how).all(batch.balls)) {}
+      differences(Differences({a, j, batch.filled}, p, batch.how, body.drawn ? *body.drawn : ScenesOfChanges{})
+                      .all(batch.balls)) {}
 
 }  // namespace kerf

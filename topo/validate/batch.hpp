@@ -32,6 +32,7 @@ struct SolvedBatch {
     const Element& element;
     const Scene& scene;
     int threads = 1;
+    const ScenesOfChanges* drawn = nullptr;  // what is drawn at the sites, if not by the library's rule
   };
   /// Throws Error(Numerics) where the body cannot be solved, and as analyze does.
   SolvedBatch(const Batch& batch, const Body& body, const Functional& j, const Perturbation& p);

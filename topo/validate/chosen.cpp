@@ -3,6 +3,7 @@
 #include "solver/system.hpp"
 #include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
+#include "topo/map/jumps.hpp"
 #include "topo/map/modes.hpp"
 #include "topo/validate/sites.hpp"
 
@@ -44,7 +45,7 @@ std::vector<Vec2> chosen_points(const Choice& c) {
   ValidationRequest at = c.r;
   at.points = x;
   std::vector<double> clear(x.size(), 0);
-  for (const std::vector<Site>& batch : place(c.shape, c.j, at))
+  for (const std::vector<Site>& batch : place(c.shape, c.j, at, jumps_of_data(m, c.j)))
     for (const Site& s : batch) clear[s.number] = s.inside ? s.clear : 0;
   const bool series = has_series(c.r.perturbation);
   const Expansion e(c.a, c.j, c.r.perturbation);

@@ -2,6 +2,7 @@
 
 #include "topo/analysis.hpp"
 #include "topo/validate/ball_fields.hpp"
+#include "topo/validate/changed_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +33,32 @@ struct Differences::Changed {
   std::optional<InnerState> disc;  // where fields are asked for and another material fills it
 };
 
-Differences::Differences(const BallsInBody& in, const Perturbation& p, const Preparation& how)
-    : in_(in), setting_(*in.a.model, p), self_adjoint_(has_self_adjoint_work(*in.a.model)) {
+namespace {
+
+// Of what fills the discs of inclusions: the same material everywhere, with the eigenstrain that it has at each ball.
+Scene filling(const BallsInBody& in, const Perturbation& p, const ScenesOfChanges& drawn) {
+  const Model& m = *in.a.model;
+  Scene inside = m.scene;
+  if (row(p).becomes != Becomes::Material) return inside;
+  inside.eigenstrain.assign(inside.regions.size() + 1, {});
+  for (std::size_t ball = 0; ball + 1 < in.filled.first_triangle.size(); ++ball) {
+    const Index t = in.filled.first_triangle[ball], region = region_of(m.mesh, t);
+    const Scene with =
+        changed_scene(m.scene, none, p, drawn,
+                      {.region = region, .center = centroid(m.mesh, t), .radius = std::sqrt(area(m.mesh, t))});
+    inside.material = with.regions.back();
+    if (with.eigenstrain.size() == with.regions.size() + 1)
+      inside.eigenstrain[static_cast<std::size_t>(region + 1)] = with.eigenstrain.back();
+  }
+  std::ranges::fill(inside.regions, inside.material);
+  return inside;
+}
+
+}  // namespace
+
+Differences::Differences(const BallsInBody& in, const Perturbation& p, const Preparation& how,
+                         const ScenesOfChanges& drawn)
+    : in_(in), setting_(*in.a.model, p, filling(in, p, drawn)), self_adjoint_(has_self_adjoint_work(*in.a.model)) {
   for (const Term& term : in.j.terms) {
     const bool constant = term.density && !sees_fields(term);
     fields_ = fields_ || !(term.energy || term.measured || (term.work && self_adjoint_) || constant);

@@ -16,7 +16,8 @@ struct Difference {
 class Differences {
  public:
   /// The analysis belongs to a model of `filled.mesh`, prepared `how` with the balls' boundaries kept.
-  Differences(const BallsInBody& in, const Perturbation& p, const Preparation& how);
+  /// `drawn`: what is drawn at the balls' centers, if not by the library's rule.
+  Differences(const BallsInBody& in, const Perturbation& p, const Preparation& how, const ScenesOfChanges& drawn);
 
   /// Per ball, for every radius.
   std::vector<std::vector<Difference>> all(const std::vector<BallMesh>& balls);

@@ -6,6 +6,8 @@
 #include "topo/map/green.hpp"
 #include "topo/validate/batch.hpp"
 #include "topo/validate/center.hpp"
+#include "topo/validate/changed_scene.hpp"
+#include "topo/validate/slit_limit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,15 +20,6 @@ constexpr int sides = 48;  // other than those of the series; of a slit twice as
 
 const Element& better(const Element& e) {
   return can_be_bettered(e) && can_validate(better_element(e)) ? better_element(e) : e;
-}
-
-// A new region, the last, has the eigenstrain of the place where it lies.
-void keep_eigenstrain(Index before, Scene& scene) {
-  const std::size_t place = static_cast<std::size_t>(before + 1);
-  if (place >= scene.eigenstrain.size()) return;
-  const Eigenstrain here = scene.eigenstrain[place];
-  scene.eigenstrain.resize(scene.regions.size() + 2);
-  scene.eigenstrain.back() = here;
 }
 
 State solved_with_change(const Model& m) {
@@ -92,13 +85,13 @@ class Drawer {
       std::vector<bool> disc(filled.mesh.triangles.size(), false);
       for (Index t = filled.first_triangle[i]; t < filled.first_triangle[i + 1]; ++t)
         disc[t] = batch.balls[i].shell[static_cast<std::size_t>(t - filled.first_triangle[i])] >= 1;
-      const Model changed = with_change(filled.mesh, disc);
+      const Model changed = with_change(filled.mesh, disc, changes_[sites[i].number]);
       const State after = solved_with_change(changed);
       return analyze(sketch_.j, changed, after, true).value - a.value;
     };
     std::vector<double> difference{whole(0)};
     if (sites.size() > 1) {
-      const auto changes = Differences({a, sketch_.j, filled}, sketch_.p, batch.how).all(batch.balls);
+      const auto changes = Differences({a, sketch_.j, filled}, sketch_.p, batch.how, sketch_.drawn).all(batch.balls);
       constexpr double agree = 1e-3;  // a fifth of what the verdict asks of the formula
       const bool same = std::abs(changes[0][0].value - difference[0]) <= agree * std::abs(difference[0]);
       for (std::size_t i = 1; i < sites.size(); ++i) difference.push_back(same ? changes[i][0].value : whole(i));
@@ -122,18 +115,20 @@ class Drawer {
     return p;
   }
 
+  Scene scene_of(const Change& c, Index region) const {
+    return changed_scene(sketch_.own.scene, static_cast<Index>(sketch_.shape.labels.size()), sketch_.p, sketch_.drawn,
+                         {region, c.site.at, c.radius, c.angle});
+  }
+
   // The body with the disc taken out, held at its rim, or made of another material.
-  Model with_change(const Mesh& whole, const std::vector<bool>& disc) const {
-    Scene scene = sketch_.own.scene;
+  Model with_change(const Mesh& whole, const std::vector<bool>& disc, const Change& c) const {
+    const Index inside = static_cast<Index>(std::ranges::find(disc, true) - disc.begin());
+    Scene scene = scene_of(c, region_of(whole, inside));
     if (row(sketch_.p).becomes == Becomes::Material) {
       Mesh mesh = whole;
       if (mesh.region.empty()) mesh.region.assign(mesh.triangles.size(), none);
       for (std::size_t t = 0; t < disc.size(); ++t)
-        if (disc[t]) {
-          keep_eigenstrain(mesh.region[t], scene);
-          mesh.region[t] = static_cast<Index>(scene.regions.size());
-        }
-      scene.regions.push_back(sketch_.p.inclusion);
+        if (disc[t]) mesh.region[t] = static_cast<Index>(scene.regions.size()) - 1;
       return prepared(std::move(mesh), std::move(scene));
     }
     std::vector<bool> keep = disc;
@@ -144,24 +139,32 @@ class Drawer {
       for (std::size_t e = 0; e < rest.mesh.edges.size(); ++e)
         if (rest.mesh.label[e] == none && (rest.mesh.sides[e][0] == none || rest.mesh.sides[e][1] == none))
           rest.mesh.label[e] = rim;
-      scene.supports.push_back({.label = rim, .value = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
     }
     return prepared(std::move(rest.mesh), std::move(scene));
   }
 
   Redrawn slit(const Change& c) {
     const Site site = around(c);
-    const Filled f = fill(outside({site}, 2 * sides), {slit_mesh({site.at, site.ball, 2 * sides}, c.radius, c.angle)});
-    const auto model = [&](CrackLaw::Kind kind) {
-      Scene scene = sketch_.own.scene;
-      scene.laws.push_back({.kind = kind});
-      return prepared(f.mesh, std::move(scene));
-    };
-    const Model whole = model(CrackLaw::Kind::Bonded), broken = model(CrackLaw::Kind::Unilateral);
+    std::vector<double> changes;
+    const Redrawn found = slit_on(site, c, 2 * sides, changes);
+    if (!slow_at_tips(sketch_.j)) return found;
+    std::vector<double> coarse;
+    slit_on(site, c, sides, coarse);
+    return {found.J0, found.J0 + limit_of_changes(sketch_.j, changes, coarse), found.area, found.coefficient};
+  }
+
+  // On a ball of n sides; what it does to every term.
+  Redrawn slit_on(const Site& site, const Change& c, int n, std::vector<double>& changes) {
+    const Filled f = fill(outside({site}, n), {slit_mesh({site.at, site.ball, n}, c.radius, c.angle)});
+    const Scene cracked = scene_of(c, none);
+    Scene bonded = cracked;
+    bonded.laws.back() = {.kind = CrackLaw::Kind::Bonded};
+    const Model whole = prepared(f.mesh, bonded), broken = prepared(f.mesh, cracked);
     const State before = solved_with_change(whole), after = solved_with_change(broken);
-    const Analysis a = analyze(sketch_.j, whole, before);
+    const Analysis a = analyze(sketch_.j, whole, before), slit = analyze(sketch_.j, broken, after, true);
+    changes = changes_of_terms(sketch_.j, a, slit);
     const BallIn ball{f.first_triangle[0], f.first_triangle[1], site.at, site.ball};
-    return {a.value, analyze(sketch_.j, broken, after, true).value, scale(sketch_.p, c.radius), formula(a, ball, c)};
+    return {a.value, slit.value, scale(sketch_.p, c.radius), formula(a, ball, c)};
   }
 
   const Sketch& sketch_;

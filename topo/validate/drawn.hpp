@@ -20,7 +20,8 @@ struct Sketch {
   const Field& state;
   const Functional& j;
   const Perturbation& p;
-  double longer;  // edges of the other mesh, where nothing is singular, in multiples of the own mesh's
+  double longer;                 // edges of the other mesh, where nothing is singular, in multiples of the own mesh's
+  const ScenesOfChanges& drawn;  // if not by the library's rule
 };
 
 /// What `longer` may be, the cheapest first: with a quarter of the unknowns, for which one degree more makes up, and 1.

@@ -38,9 +38,10 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
 
 }  // namespace
 
-Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number) {
+Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number, const Segments& jumps) {
   Site s{.number = number, .at = x};
   s.clear = clearance(shape, j, x, s.inside);
+  for (const auto& [a, b] : jumps) s.clear = std::min(s.clear, distance(x, a, b));
   constexpr double rounding = 1e-12;
   s.inside = s.inside || s.clear > -rounding * extent(shape);  // on the boundary
   return s;
@@ -73,13 +74,14 @@ std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::s
   return batches;
 }
 
-std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& r) {
+std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& r,
+                                     const Segments& jumps) {
   // A change reaches this far per radius, and has a ball at least `roomy` times as large where there is room.
   const double reach = kerf::reach(r.perturbation);
   constexpr double widest = 0.88, roomy = 2;
   std::vector<Site> sites;
   for (std::size_t i = 0; i < r.points.size(); ++i) {
-    Site s = site_at(shape, j, r.points[i], i);
+    Site s = site_at(shape, j, r.points[i], i, jumps);
     for (const double radius : r.radii)
       if (fits(s, reach * radius)) s.radii.push_back(radius);
     if (!s.radii.empty()) s.ball = std::min(widest * s.clear, roomy * reach * s.radii.front());

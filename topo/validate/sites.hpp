@@ -14,8 +14,11 @@ struct Site {
   std::vector<double> radii = {};  // those that fit, decreasing
 };
 
+/// Segments that a change keeps away from besides what is drawn: those of jumps_of_data.
+using Segments = std::vector<std::pair<Vec2, Vec2>>;
+
 /// The site of a point: what is clear around it, no radii and no ball yet.
-Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number);
+Site site_at(const Shape& shape, const Functional& j, const Vec2& x, std::size_t number, const Segments& jumps = {});
 
 /// Whether a change that reaches so far from the point leaves room around it.
 bool fits(const Site& s, double reach);
@@ -30,7 +33,8 @@ std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::s
 inline constexpr std::size_t together = 6;
 
 /// Sites in batches whose balls keep apart.
-std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& request);
+std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, const ValidationRequest& request,
+                                     const Segments& jumps);
 
 /// The shape with a ball_hole of `sides` sides around every site; their label is the last one.
 Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides);

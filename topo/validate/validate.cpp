@@ -6,14 +6,17 @@
 #include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
+#include "topo/map/jumps.hpp"
 #include "topo/map/mask.hpp"
 #include "topo/map/point.hpp"
 #include "topo/orthotropic.hpp"
 #include "topo/validate/batch.hpp"
 #include "topo/validate/center.hpp"
+#include "topo/validate/changed_scene.hpp"
 #include "topo/validate/chosen.hpp"
 #include "topo/validate/drawn.hpp"
 #include "topo/validate/sites.hpp"
+#include "topo/validate/slit_limit.hpp"
 #include "topo/validate/verdict.hpp"
 
 #include <fmt/core.h>
@@ -70,11 +73,12 @@ void no_radius_fits(const Site& s, Validation& v) {
   v.coefficient = v.order = v.intercept = v.c2 = v.c3 = nan;
   v.verdict = Verdict::OutOfRange;
   v.reason = s.clear > 0 ? fmt::format(
-                               "no radius fits: the nearest boundary, crack or other feature is {:.3g} away; use "
-                               "radii below {:.3g}",
+                               "no radius fits: the nearest boundary, crack, jump of the data or other feature is "
+                               "{:.3g} away; use radii below {:.3g}",
                                s.clear, 0.25 * s.clear)
-             : s.inside ? "the point lies on a boundary or a crack, or in the ring of the functional"
-                        : "the point lies outside the body";
+             : s.inside
+                 ? "the point lies on a boundary, a crack or a jump of the data, or in the ring of the functional"
+                 : "the point lies outside the body";
 }
 
 // Of what J could change by if nothing in its derivative cancelled, what its rounding is at most, many times over: a
@@ -117,8 +121,9 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
 class Validating {
  public:
   Validating(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
-             const ValidationRequest& request)
-      : shape_(meshing.shape),
+             const ValidationRequest& request, bool again)
+      : again_(again),
+        shape_(meshing.shape),
         element_(e),
         scene_(scene),
         j_(j),
@@ -129,6 +134,7 @@ class Validating {
     require_expansion(scene, j, r_.perturbation);
     if (!certified(own_.state)) throw Error(Fault::Numerics, "the body of the validation could not be solved");
     require_supports(j_, own_.model);
+    jumps_ = jumps_of_data(own_.model, j_);
     if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
   }
 
@@ -142,7 +148,7 @@ class Validating {
       }
       return std::move(results_);
     }
-    const std::vector<std::vector<Site>> batches = place(shape_, j_, r_);
+    const std::vector<std::vector<Site>> batches = place(shape_, j_, r_, jumps_);
     try {
       validate_all(batches);
     } catch (const Stopped&) {
@@ -169,9 +175,42 @@ class Validating {
         for (const Site& s : usable) validate_slit(s);
       else
         validate_batch(usable);
-      draw(usable);
+      if (!again_) {
+        draw(usable);
+        for (const Site& s : usable) say_again(s);
+      }
       ++done_;
     }
+  }
+
+  // "Fails" is said where radii ten times smaller say it, too, of the same sign.
+  void say_again(const Site& site) {
+    Validation& v = results_[site.number];
+    if (v.verdict != Verdict::Fails) return;
+    constexpr double smaller = 0.1;
+    ValidationRequest request = r_;
+    request.points = {site.at};
+    request.radii.clear();
+    for (const double radius : site.radii) request.radii.push_back(smaller * radius);
+    if (is_directed(r_.perturbation)) request.perturbation.angle = angle_[site.number];
+    Validation second;
+    try {
+      second = Validating({shape_, sizing_}, element_, scene_, j_, request, true).run()[0];
+    } catch (const Error& e) {
+      second = {.verdict = Verdict::NothingSaid, .reason = e.what()};
+    }
+    const auto apart = [&](const Validation& of) {
+      return of.drawn.apart == 0 ? of.c2 - of.c2_predicted : of.drawn.apart;
+    };
+    if (second.verdict == Verdict::Fails && apart(second) * apart(v) > 0) {
+      v.reason += "; radii ten times smaller say it again";
+      return;
+    }
+    v.verdict = second.verdict == Verdict::Holds ? Verdict::OutOfRange : Verdict::NothingSaid;
+    v.reason = second.verdict == Verdict::Holds
+                   ? fmt::format("the radii are too large: {}; with radii ten times smaller the expansion holds: {}",
+                                 v.reason, second.reason)
+                   : fmt::format("{}; radii ten times smaller do not say it again: {}", v.reason, second.reason);
   }
 
   /// Of a batch that was not done to its end nothing is said: its verdict might have been another one.
@@ -224,7 +263,7 @@ class Validating {
   void draw_on(double longer, const std::vector<Change>& changes) {
     std::vector<Redrawn> drawn;
     try {
-      drawn = draw_changes({shape_, sizing_, own_.model, own_.state, j_, r_.perturbation, longer}, changes);
+      drawn = draw_changes({shape_, sizing_, own_.model, own_.state, j_, r_.perturbation, longer, r_.scenes}, changes);
     } catch (const Error& e) {
       for (const Change& c : changes) {
         results_[c.site.number].verdict = Verdict::NothingSaid;
@@ -252,7 +291,7 @@ class Validating {
 
   void validate_batch(const std::vector<Site>& sites) {
     const Batch batch = mesh_batch({shape_, sizing_}, sites, around, {aspect(r_.perturbation), angle_});
-    const SolvedBatch solved(batch, {element_, scene_, r_.threads}, j_, r_.perturbation);
+    const SolvedBatch solved(batch, {element_, scene_, r_.threads, &r_.scenes}, j_, r_.perturbation);
     const Analysis& a = solved.a;
     const Filled& f = batch.filled;
     SecondOrders on_series(a, j_, r_.perturbation);
@@ -298,8 +337,23 @@ class Validating {
   void judge_series(const Site& site, const std::vector<double>& scales, SecondOrders& on_series) {
     Validation& v = results_[site.number];
     judge(v, r_.perturbation, scales, site.clear);
+    if (is_same_material(site)) {
+      v.verdict = Verdict::Vanishes;
+      v.reason = "the inclusion is made of what lies there: nothing changes";
+      return;
+    }
     if (has_series(r_.perturbation) && v.verdict != Verdict::Holds && v.verdict != Verdict::Vanishes)
       withdraw(v, on_series.answer_radius(site.at), site.clear);
+  }
+
+  bool is_same_material(const Site& site) const {
+    if (row(r_.perturbation).becomes != Becomes::Material) return false;
+    const Index t = locate(own_.model.mesh, {&site.at, 1})[0];
+    if (t == none) return false;
+    const Material &here = material_of(own_.model.mesh, scene_, t), &inside = r_.perturbation.inclusion;
+    constexpr double rounding = 1e-14;
+    return isotropic(here) && isotropic(inside) && std::abs(here.mu - inside.mu) <= rounding * here.mu &&
+           std::abs(here.c - inside.c) <= rounding * here.c;
   }
 
   // Returns f(eps) of the rows, with the exact areas of the polygons.
@@ -323,44 +377,65 @@ class Validating {
   }
 
   // A slit changes the mesh inside the ball with its length: two whole solves per radius, the crack bonded and in
-  // contact, on the same mesh.
+  // contact, on the same mesh. Where tips make J converge slowly, those on half as many sides tell the limit, and once
+  // those on a quarter how well it is known: it is as far at every radius.
   void validate_slit(const Site& site) {
     Validation& v = results_[site.number];
-    const Mesh mesh = triangulate(with_balls(shape_, {site}, 2 * around), sizing_);
+    constexpr int sides = 2 * around;
+    v.plateau = 5e-4;
+    const bool slow = slow_at_tips(j_);
+    std::vector<Mesh> outside;  // of balls with ever fewer sides
+    for (int n = sides; n >= (slow ? sides / 4 : sides); n /= 2)
+      outside.push_back(triangulate(with_balls(shape_, {site}, n), sizing_));
     std::vector<double> scales(v.rows.size(), nan);
+    bool first = true;
     for (std::size_t row = 0; row < v.rows.size(); ++row) {
-      if (std::find(site.radii.begin(), site.radii.end(), v.rows[row].radius) == site.radii.end()) continue;
-      solve_slit(site, mesh, v, v.rows[row]);
-      scales[row] = scale(r_.perturbation, v.rows[row].radius);
+      ValidationRow& to = v.rows[row];
+      if (std::find(site.radii.begin(), site.radii.end(), to.radius) == site.radii.end()) continue;
+      std::vector<std::vector<double>> change;
+      for (std::size_t k = 0; k < outside.size() && (k < 2 || first); ++k)
+        change.push_back(solve_slit(site, outside[k], sides >> k, k == 0 ? &v : nullptr, to));
+      if (slow) {
+        const double limit = limit_of_changes(j_, change[0], change[1]);
+        if (first) v.plateau = std::max(v.plateau, std::abs(limit_of_changes(j_, change[1], change[2]) / limit - 1));
+        to.J += limit - to.difference;
+        to.difference = limit;
+      }
+      first = false;
+      scales[row] = scale(r_.perturbation, to.radius);
     }
     for (std::size_t row = 0; row < v.rows.size(); ++row) v.rows[row].predicted = scales[row] * v.coefficient;
-    v.plateau = 5e-4;
     v.logarithm = second().at(site.at).logarithm;
     judge_series(site, scales, second());
   }
 
-  void solve_slit(const Site& site, const Mesh& outside, Validation& v, ValidationRow& to) const {
-    const Filled f = fill(outside, {slit_mesh({site.at, site.ball, 2 * around}, to.radius, angle_[site.number])});
-    const auto prepared = [&](CrackLaw::Kind kind) {
-      Scene scene = scene_;
-      scene.laws.push_back({.kind = kind});
-      return prepare(f.mesh, element_, std::move(scene), r_.threads);
-    };
+  // What a slit of that radius does to every term, on a ball of n sides; its row, and with `v` what is known of T.
+  std::vector<double> solve_slit(const Site& site, const Mesh& outside, int n, Validation* v, ValidationRow& to) const {
+    const Filled f = fill(outside, {slit_mesh({site.at, site.ball, n}, to.radius, angle_[site.number])});
+    const Scene cracked =
+        changed_scene(scene_, none, r_.perturbation, r_.scenes, {none, site.at, to.radius, angle_[site.number]});
+    Scene bonded = cracked;
+    bonded.laws.back() = {.kind = CrackLaw::Kind::Bonded};
+    const auto prepared = [&](const Scene& scene) { return prepare(f.mesh, element_, scene, r_.threads); };
     const auto solved = [](const Model& m) {
       State s = solve(m);
       if (!certified(s)) throw Error(Fault::Numerics, "the body with the small crack could not be solved");
       return s;
     };
-    const Model whole = prepared(CrackLaw::Kind::Bonded), broken = prepared(CrackLaw::Kind::Unilateral);
+    const Model whole = prepared(bonded), broken = prepared(cracked);
     const Field before = solved(whole), after = solved(broken);
-    const Analysis a = analyze(j_, whole, before);
-    v.size = faint_change(a) / area(whole);
-    read_center(a, {f.first_triangle[0], f.first_triangle[1], site.at, site.ball}, v);
-    to.J = analyze(j_, broken, after, true).value;
-    to.difference = to.J - a.value;
+    const Analysis a = analyze(j_, whole, before, !v), slit = analyze(j_, broken, after, true);
+    const std::vector<double> change = changes_of_terms(j_, a, slit);
+    if (!v) return change;
+    v->size = faint_change(a) / area(whole);
+    read_center(a, {f.first_triangle[0], f.first_triangle[1], site.at, site.ball}, *v);
+    to.J = slit.value;
+    to.difference = slit.value - a.value;
     to.same_contact = true;
+    return change;
   }
 
+  const bool again_;  // the second time, at smaller radii: the series alone
   const Shape& shape_;
   const Element& element_;
   const Scene& scene_;
@@ -370,6 +445,7 @@ class Validating {
   const Sizing sizing_;
   const Analysis analysis_;
   std::vector<double> angle_;  // per point
+  Segments jumps_;
   std::optional<SecondOrders> second_;
   std::size_t done_ = 0;  // batches
   std::vector<Validation> results_;
@@ -379,7 +455,7 @@ class Validating {
 
 std::vector<Validation> validate(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
                                  const ValidationRequest& request) {
-  return Validating(meshing, e, scene, j, request).run();
+  return Validating(meshing, e, scene, j, request, false).run();
 }
 
 }  // namespace kerf
