@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace kerf {
 
@@ -177,6 +178,31 @@ bool pressed_within(const Term& term, const Model& m) {
   return false;
 }
 
+// A tip inside the body whose faces overlap before loading, where the term sees the square of the pressure: the jump
+// does not close towards the tip as the pressure would need to be square integrable. Its place, if there is one.
+std::optional<Vec2> overlapping_tip(const Term& term, const Model& m) {
+  if (!term.on_crack) return std::nullopt;
+  const Mesh& mesh = whole_mesh(m);
+  const CrackLaw& law = m.scene.laws[static_cast<std::size_t>(term.crack)];
+  const std::vector<CrackEdge>& path = mesh.cracks[static_cast<std::size_t>(term.crack)];
+  if (!has_gap(law) || path.empty()) return std::nullopt;
+  const auto& [a, b] = mesh.edges[path.front().edge];
+  const auto& [c, d] = mesh.edges[path.back().edge];
+  const Index first = path.front().forward ? a : b, last = path.back().forward ? d : c;
+  if (first == last) return std::nullopt;  // closed: no tips
+  std::vector<bool> outer(mesh.points.size(), false);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none)
+      for (const Index v : mesh.edges[e]) outer[static_cast<std::size_t>(v)] = true;
+  for (const auto& [tip, edge] : {std::pair{first, path.front().edge}, std::pair{last, path.back().edge}}) {
+    const Vec2& x = mesh.points[static_cast<std::size_t>(tip)];
+    const auto slope = [&](double pressure) { return term.on_crack({.x = x, .pressure = pressure}).by_pressure; };
+    const bool squared = slope(1) != slope(0);
+    if (!outer[static_cast<std::size_t>(tip)] && squared && law.gap(x, normal(mesh, edge))[0] < 0) return x;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void require_no_eigenstrain(const Scene& scene) {
@@ -194,6 +220,14 @@ void require_known_loads(const Functional& j, const Model& m) {
                   fmt::format("functional \"{}\" does not know the work of a pressure in the crack: the state gives K "
                               "and G at every tip",
                               term.kind));
+  for (const Term& term : j.terms)
+    if (const auto tip = overlapping_tip(term, m))
+      throw Error(
+          Fault::Usage,
+          fmt::format("functional \"{}\" is infinite: the faces of the crack overlap at its tip ({:.6g}, {:.6g}) "
+                      "(gap below 0), where the square of the pressure has no integral; give it a weight "
+                      "that vanishes there, or a gap of 0 at the tip",
+                      term.kind, tip->x(), tip->y()));
   if (!has_eigenstrain(scene)) return;
   const bool out_of_plane = std::ranges::any_of(scene.eigenstrain, [](const Eigenstrain& e) { return e.out_of_plane; });
   for (const Term& term : j.terms) {
@@ -211,10 +245,48 @@ void require_known_loads(const Functional& j, const Model& m) {
   }
 }
 
+namespace {
+
+// Pieces that move freely, per piece; empty: all that there is does.
+std::vector<bool> loose_pieces(const Model& m) {
+  std::vector<bool> loose;
+  const Standing& standing = m.inner->standing;
+  if (!m.inner->floating.empty()) return loose;
+  for (const Index piece : standing.piece) loose.resize(std::max(loose.size(), static_cast<std::size_t>(piece) + 1));
+  for (std::size_t i = 0; i < standing.motions.size(); ++i)
+    if (standing.free.cols() == 0 || !standing.free.row(static_cast<Eigen::Index>(i)).isZero(1e-9))
+      loose[static_cast<std::size_t>(standing.motions[i].piece)] = true;
+  return loose;
+}
+
+// Whether the term has a density of the displacement in a loose piece, or on a side of one.
+bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose) {
+  if (loose.empty()) return true;
+  const Mesh& mesh = m.mesh;
+  const std::vector<Index>& piece = m.inner->standing.piece;
+  const auto is_loose = [&](Index t) { return t != none && loose[static_cast<std::size_t>(piece[t])]; };
+  const auto moves = [](const Density& d) { return !d.by_displacement.isZero(0); };
+  if (term.on_boundary)
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+      if (mesh.label[e] == term.label && (is_loose(mesh.sides[e][0]) || is_loose(mesh.sides[e][1]))) return true;
+  if (term.density && term.uses_displacement)
+    for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
+      if (!is_loose(t)) continue;
+      std::vector<Vec2> places{centroid(mesh, t)};
+      for (const Index v : mesh.triangles[t]) places.push_back(0.9 * mesh.points[v] + 0.1 * places[0]);
+      for (const Vec2& x : places)
+        if (moves(term.density({.x = x, .displacement = Vec2(1e3, -777)}))) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
 void require_supports(const Functional& j, const Model& model) {
   if (model.inner->floating.empty() && model.inner->standing.slides.cols() == 0) return;
+  const std::vector<bool> loose = loose_pieces(model);
   for (const Term& term : j.terms)
-    if (term.uses_displacement || term.on_boundary)
+    if ((term.uses_displacement || term.on_boundary) && sees_loose(term, model, loose))
       throw Error(Fault::Usage,
                   fmt::format("functional \"{}\" sees rigid motions, and the supports leave the body, or a piece of "
                               "it, free to make some: "
