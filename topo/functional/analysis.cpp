@@ -194,11 +194,13 @@ std::optional<Vec2> overlapping_tip(const Term& term, const Model& m) {
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
     if (mesh.sides[e][0] == none || mesh.sides[e][1] == none)
       for (const Index v : mesh.edges[e]) outer[static_cast<std::size_t>(v)] = true;
+  const double rounding =
+      1e-9 * (mesh.points[static_cast<std::size_t>(first)] - mesh.points[static_cast<std::size_t>(last)]).norm();
   for (const auto& [tip, edge] : {std::pair{first, path.front().edge}, std::pair{last, path.back().edge}}) {
     const Vec2& x = mesh.points[static_cast<std::size_t>(tip)];
     const auto slope = [&](double pressure) { return term.on_crack({.x = x, .pressure = pressure}).by_pressure; };
     const bool squared = slope(1) != slope(0);
-    if (!outer[static_cast<std::size_t>(tip)] && squared && law.gap(x, normal(mesh, edge))[0] < 0) return x;
+    if (!outer[static_cast<std::size_t>(tip)] && squared && law.gap(x, normal(mesh, edge))[0] < -rounding) return x;
   }
   return std::nullopt;
 }

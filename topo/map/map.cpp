@@ -10,6 +10,7 @@
 #include "topo/map/green.hpp"
 #include "topo/map/mask.hpp"
 #include "topo/map/second_map.hpp"
+#include "topo/map/valid_radius.hpp"
 #include "topo/map_at_centroids.hpp"
 
 #include <algorithm>
@@ -160,19 +161,18 @@ void fill_clamped(const Analysis& a, const Functional& j, double radius, const G
   map.at_corners = clamped.value.tail(static_cast<Eigen::Index>(grid.corners.x.size()));
 }
 
-// Where the second term is known it says where the first one is good at that radius, if the change has room at all: c2
-// may be small by chance where the next terms are not. A value that is nothing beside the others may have any relative
-// error.
+// Where the second term is known it says where the first one is good at that radius, if the change has room at all. A
+// value that is nothing beside the others may have any relative error.
 constexpr double room_radii = 2;
-void mask_by_second(double radius, const Grid& grid, const Mesh& mesh, FullMap& map) {
-  constexpr double share = 0.05, nothing = 0.01;
+void mask_by_second(double radius, const Grid& grid, const Mesh& mesh, const SecondMap& second, FullMap& map) {
+  constexpr double nothing = 0.01;
   double largest = 0;
-  for (Eigen::Index i = 0; i < map.c2.size(); ++i)
-    if (std::isfinite(map.c2[i])) largest = std::max(largest, std::abs(map.at_corners[i]));
-  for (Eigen::Index i = 0; i < map.c2.size(); ++i) {
-    if (!std::isfinite(map.c2[i]) || !std::isfinite(map.at_corners[i])) continue;
+  for (Eigen::Index i = 0; i < second.c2.size(); ++i)
+    if (std::isfinite(second.c2[i])) largest = std::max(largest, std::abs(map.at_corners[i]));
+  for (Eigen::Index i = 0; i < second.c2.size(); ++i) {
+    if (!std::isfinite(second.c2[i]) || !std::isfinite(map.at_corners[i])) continue;
     const double T = std::max(std::abs(map.at_corners[i]), nothing * largest),
-                 reach = map.c2[i] == 0 ? infinity : std::sqrt(share * T / std::abs(map.c2[i]));
+                 reach = valid_radius_of({T, second.c2[i], second.unsure[i], second.parts[i], second.clear[i]});
     map.margin[i] = std::min({reach - radius, map.margin[i] + (clear_radii - room_radii) * radius, radius});
     map.masked_corner[static_cast<std::size_t>(i)] = map.margin[i] < 0;
   }
@@ -184,18 +184,21 @@ void mask_by_second(double radius, const Grid& grid, const Mesh& mesh, FullMap& 
   }
 }
 
-double valid_radius_of(double T, double c2) {
-  return SecondOrder{.T = T, .c2 = c2, .available = std::isfinite(c2)}.valid_radius();
-}
-
-// At the corners.
-void fill_second(const Analysis& a, const Functional& j, const Perturbation& p, const Grid& grid, FullMap& map) {
-  const SecondMap second =
-      second_everywhere(a, j, p, {grid.corners.x, grid.corners.in, std::vector<bool>(grid.corners.x.size(), false)});
+// At the corners. A c2 whose sign the interpolation leaves open is not told, nor one that is a small rest of its parts;
+// how far the first term reaches is.
+void fill_second(const Analysis& a, const Functional& j, const MapRequest& r, const Grid& grid, FullMap& map) {
+  const SecondMap second = second_everywhere(
+      a, j, r.perturbation, {grid.corners.x, grid.corners.in, std::vector<bool>(grid.corners.x.size(), false)});
   map.c2 = second.c2;
   map.second_note = second.note;
   map.valid_radius.resize(map.c2.size());
-  for (Eigen::Index i = 0; i < map.c2.size(); ++i) map.valid_radius[i] = valid_radius_of(map.at_corners[i], map.c2[i]);
+  for (Eigen::Index i = 0; i < map.c2.size(); ++i) {
+    map.valid_radius[i] =
+        valid_radius_of({map.at_corners[i], second.c2[i], second.unsure[i], second.parts[i], second.clear[i]});
+    constexpr double rest = 0.2;  // beside tips the map misses a reply by as much as a fifth
+    if (std::max(second.unsure[i], rest * second.parts[i]) > std::abs(second.c2[i])) map.c2[i] = nan;
+  }
+  mask_by_second(r.radius, grid, a.model->mesh, second, map);
 }
 
 Mesh mesh_for(const Analysis& a, const Meshing& meshing, const MapFields& own) {
@@ -319,9 +322,14 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
   }
   if (!r.second) return map;
   SecondOrders second(a, j, r.perturbation);
-  for (MapPoint& p : map) {
-    p.c2 = second.at(p.at).c2;
-    p.valid_radius = valid_radius_of(p.value, *p.c2);
+  const Mesh& mesh = whole_mesh(m);
+  const std::vector<double> clear =
+      margins(m, j, points, {0, 0, quality(mesh).h_max * std::sqrt(mesh.triangles.size())});
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    MapPoint& p = map[i];
+    const SecondOrder found = second.at(p.at);
+    p.c2 = found.c2;
+    p.valid_radius = valid_radius_of({p.value, found.c2, 0, parts_of(found), clear[i]});
     if (std::isnan(*p.valid_radius)) continue;
     p.masked = *p.valid_radius < r.radius || too_close(m, j, {&p.at, 1}, room_radii * r.radius, r.radius)[0];
   }
@@ -344,10 +352,7 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   everywhere.fill(grid.centroids, &RecoveredStress::at_centroids, &Displacements::at_centroids, map.at_centroids,
                   is_directed(r.perturbation) ? &map.angle : nullptr);
   everywhere.fill(grid.corners, &RecoveredStress::at_corners, &Displacements::at_corners, map.at_corners);
-  if (r.second) {
-    fill_second(a, j, r.perturbation, grid, map);
-    mask_by_second(r.radius, grid, a.model->mesh, map);
-  }
+  if (r.second) fill_second(a, j, r, grid, map);
   return map;
 }
 

@@ -71,6 +71,29 @@ struct Samples {
   std::vector<Vec2> x = {};
   std::vector<Eigen::RowVectorXd> rest = {};  // over walls(x)
   double error = 0;
+  std::vector<double> left = {};  // per sample: how far the others miss it, relative
+
+  // How well the others tell each sample: what the interpolation leaves around it.
+  void leave_one_out() {
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      std::vector<Vec2> others = x;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      const auto value = [&](std::size_t i) { return rest[i < k ? i : i + 1]; };
+      const Form exact = form_of(rest[k]);
+      left.push_back((form_of(interpolate_rows(others, walls->edges, value, x[k])) - exact).norm() / exact.norm());
+    }
+  }
+  // The largest at the samples nearest by.
+  double left_at(const Vec2& here) const {
+    constexpr std::size_t nearest = 4;
+    std::vector<std::pair<double, double>> by_distance;
+    for (std::size_t k = 0; k < x.size(); ++k) by_distance.emplace_back((x[k] - here).norm(), left[k]);
+    const std::size_t n = std::min(nearest, by_distance.size());
+    std::partial_sort(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(n), by_distance.end());
+    double most = 0;
+    for (std::size_t k = 0; k < n; ++k) most = std::max(most, by_distance[k].second);
+    return most;
+  }
 
   Form at(const Vec2& here) const {
     const auto value = [&](std::size_t k) { return rest[k]; };
@@ -103,15 +126,28 @@ Samples sample(const Model& m, const Field& s, const Walls& walls, std::span<con
     all.error = std::exchange(worst, 0);
     if (all.error < accurate) break;
   }
+  if (all.x.size() > 1) all.leave_one_out();
   return all;
 }
+
+constexpr double narrower = 1.5;  // of two discs
 
 // A disc large enough to tell the coefficients and small enough to be cheap, without features in it; 0 where there is
 // none.
 double radius_at(const Model& m, const Place& at) {
-  constexpr double part = 0.7, many = 120;
+  constexpr double part = 0.7, many = 120 * narrower * narrower;
   const double size = area(m.mesh, at.in);
   return std::min(part * at.clear, std::sqrt(many * size / pi));
+}
+
+// What the reply counts at most where it is off by `left` of its form, relative: its parts may cancel.
+double reply_unsure(double left, const Form& form, const Perturbation& p, const Material& m, const TaylorField& s,
+                    const TaylorField& t) {
+  const Dipoles sent = dipoles(p, m, s);
+  double square = 0;
+  for (const TaylorField& w : {TaylorField{.a1 = 0.5}, TaylorField{.b1 = {1, 0}}, TaylorField{.b1 = {0, 1}}})
+    square += std::pow(second_form(p, m, s, t, w).reply, 2);
+  return left * form.norm() * std::hypot(sent.a1, std::abs(sent.b1)) * std::sqrt(square);
 }
 
 TaylorField reply_in(const Form& form, const Perturbation& p, const Material& m, const TaylorField& s) {
@@ -125,7 +161,11 @@ TaylorField reply_in(const Form& form, const Perturbation& p, const Material& m,
 SecondMap second_everywhere(const Analysis& a, const Functional& j, const Perturbation& p, const Candidates& points) {
   const Model& m = *a.model;
   SecondMap map{.c2 = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.x.size()), nan),
+                .parts = {},
+                .unsure = {},
+                .clear = {},
                 .note = unknown_second_term(a, j, p)};
+  map.parts = map.unsure = map.clear = map.c2;
   if (!map.note.empty()) return map;
   Vec2 low = m.mesh.points[0], high = low;
   for (const Vec2& v : m.mesh.points) low = low.cwiseMin(v), high = high.cwiseMax(v);
@@ -133,6 +173,7 @@ SecondMap second_everywhere(const Analysis& a, const Functional& j, const Pertur
   const std::vector<double> clear = margins(m, j, points.x, {0, 0, size});
   std::vector<Place> places;
   std::vector<std::size_t> wanted;
+  map.clear = Eigen::Map<const Eigen::VectorXd>(clear.data(), map.c2.size());
   for (std::size_t i = 0; i < points.x.size(); ++i) {
     constexpr double part = 0.7, least = 24;
     if (points.skip[i] || pi * std::pow(part * clear[i], 2) < least * area(m.mesh, points.in[i])) continue;
@@ -152,20 +193,34 @@ SecondMap second_everywhere(const Analysis& a, const Functional& j, const Pertur
   parallel_for(static_cast<Index>(places.size()), m.threads, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Place& at = places[static_cast<std::size_t>(i)];
-      const TaylorFit fit(m, at.x, at.in, radius_at(m, at));
-      if (fit.coarse()) continue;
+      const double wide = radius_at(m, at);
+      const TaylorFit fit(m, at.x, at.in, wide), narrow(m, at.x, at.in, wide / narrower);
+      if (fit.coarse() || narrow.coarse()) continue;
       const Material& material = material_of(m.mesh, m.scene, at.in);
-      double c2 = 0;
+      SecondForm sum;
+      double unsure = 0;
+      // What two discs say of the derivatives of the stress differs by what the mesh leaves of them.
+      const auto add = [&](double factor, const Samples& from, const Field& state, const Field& other) {
+        const TaylorField s = fit.of(state), t = fit.of(other);
+        const Form form = from.at(at.x);
+        const SecondForm of = factor * second_form(p, material, s, t, reply_in(form, p, material, s)),
+                         less = factor * second_form(p, material, narrow.of(state), narrow.of(other), {});
+        sum = sum + of;
+        unsure += std::abs(of.mean_gradient - less.mean_gradient) +
+                  std::abs(of.deviator_gradient - less.deviator_gradient) + std::abs(of.curvature - less.curvature) +
+                  (from.left.empty() ? infinity
+                                     : std::abs(factor) * reply_unsure(from.left_at(at.x), form, p, material, s, t));
+      };
       if (own) {
-        const TaylorField s = fit.of(*a.state), w = reply_in(own->at(at.x), p, material, s);
-        if (a.energy_share != 0) c2 -= 0.5 * a.energy_share * second_form(p, material, s, s, w).value();
-        if (a.adjoint) c2 += second_form(p, material, s, fit.of(*a.adjoint), w).value();
+        if (a.energy_share != 0) add(-0.5 * a.energy_share, *own, *a.state, *a.state);
+        if (a.adjoint) add(1, *own, *a.state, *a.adjoint);
       }
-      if (measured) {
-        const TaylorField s = fit.of(*a.measured), w = reply_in(measured->at(at.x), p, material, s);
-        c2 -= 0.5 * a.measured_share * second_form(p, material, s, s, w).value();
-      }
-      map.c2[static_cast<Eigen::Index>(wanted[static_cast<std::size_t>(i)])] = c2;
+      if (measured) add(-0.5 * a.measured_share, *measured, *a.measured, *a.measured);
+      const auto k = static_cast<Eigen::Index>(wanted[static_cast<std::size_t>(i)]);
+      map.unsure[k] = unsure;
+      map.parts[k] =
+          std::abs(sum.mean_gradient) + std::abs(sum.deviator_gradient) + std::abs(sum.curvature) + std::abs(sum.reply);
+      map.c2[k] = sum.value();
     }
   });
   return map;
