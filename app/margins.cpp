@@ -62,7 +62,7 @@ void set_margins(const Case& c, const Adapted& adapted, const PlotData& data, co
     const double difference = difference_of(von_mises_at(m, adapted.state, c.plane_strain, points),
                                             von_mises_at(better, state, c.plane_strain, points));
     stress->margin = (difference > too_coarse * stress->value ? std::max(safety, coarse) : safety) * difference;
-    if (*stress->margin > worth_saying * stress->value) {
+    if (*stress->margin > worth_saying * stress->value && !lies_on_chords_of_file(c, m.mesh, *result.von_mises)) {
       const double size = quality(m.mesh).h_max;
       const std::string finer = c.mesh ? std::string("a finer mesh in domain.file")
                                        : fmt::format("mesh.size = {:.2g} instead of {:.2g}", 0.5 * size, size);

@@ -8,7 +8,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 namespace kerf {
 
@@ -143,6 +145,43 @@ std::optional<PlacedValue> top_on_chords(const Case& c, const Peak& von_mises) {
   return std::ranges::any_of(arcs, [&](const Arc& arc) { return lies_on(arc, top->at); }) ? top : std::nullopt;
 }
 
+bool lies_on_chords_of_file(const Case& c, const Mesh& mesh, const Peak& von_mises) {
+  const std::optional<PlacedValue> top = von_mises.singular ? von_mises.regular : std::optional(von_mises.largest);
+  if (!top || !c.mesh || !mesh.arc.empty() || !arcs_of(c.shape).empty()) return false;
+  std::map<Index, std::array<Index, 2>> around;  // of a vertex of the rim, those before and behind it
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [left, right] = mesh.sides[e];
+    if (left != none && right != none) continue;
+    auto [a, b] = mesh.edges[e];
+    if (left == none) std::swap(a, b);
+    around.try_emplace(a, std::array{none, none}).first->second[1] = b;
+    around.try_emplace(b, std::array{none, none}).first->second[0] = a;
+  }
+  const auto point = [&](Index v) -> const Vec2& { return mesh.points[static_cast<std::size_t>(v)]; };
+  const auto turn = [&](Index v) {
+    const auto& [before, behind] = around.at(v);
+    const Vec2 p = point(v) - point(before), q = point(behind) - point(v);
+    return std::atan2(cross(p, q), p.dot(q));
+  };
+  const auto nearest = std::ranges::min_element(
+      around, {}, [&](const auto& vertex) { return (point(vertex.first) - top->at).squaredNorm(); });
+  const auto& [before, behind] = nearest->second;
+  const double own = turn(nearest->first), length = (point(nearest->first) - point(before)).norm();
+  if (!((point(nearest->first) - top->at).norm() < length)) return false;
+  constexpr double least = 0.5 * pi / 180, most = 35 * pi / 180;
+  return std::ranges::all_of(std::array{own, turn(before), turn(behind)}, [&](double angle) {
+    return std::abs(angle) > least && std::abs(angle) < most && angle * own > 0;
+  });
+}
+
+std::string note_on_chords_of_file(const PlacedValue& top) {
+  return fmt::format(
+      "the largest von Mises stress, {:.4g} at {}, lies where straight edges of domain.file stand for a curve: their "
+      "corners are notches, and a finer mesh does not take them away; save it with second order (gmsh: "
+      "Mesh.ElementOrder = 2), and edges follow the curve",
+      top.value, point_in_words(top.at));
+}
+
 std::string note_on_chords(const Case& c, const PlacedValue& top, double beside) {
   constexpr double worth_saying = 1.02;
   if (beside == 0 || top.value < worth_saying * beside) return {};
@@ -150,7 +189,7 @@ std::string note_on_chords(const Case& c, const PlacedValue& top, double beside)
       "the largest von Mises stress, {:.4g} at {}, lies at a corner of the chords that stand for a curved side, where "
       "it is larger than on the curve; in the middle of the chords beside it it is {:.4g}{}",
       top.value, point_in_words(top.at), beside,
-      c.why_chords.empty() && !c.mesh ? "; with mesh.curved = true edges follow the curve" : "");
+      c.why_chords.empty() ? "; with mesh.curved = true edges follow the curve" : "");
 }
 
 }  // namespace kerf

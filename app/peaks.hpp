@@ -37,6 +37,10 @@ void add_peaks(const Model& model, const PlotData& data, double extent, StateRes
 std::string note_on_chords(const Case& c, const PlacedValue& top, double beside);
 /// The largest stress, where it may lie at a corner of chords.
 std::optional<PlacedValue> top_on_chords(const Case& c, const Peak& von_mises);
+/// Whether the largest stress lies on the rim of a mesh from a file where its straight edges stand for a curve: at the
+/// nearest vertex and both beside it the rim turns the same way, by less than a corner would.
+bool lies_on_chords_of_file(const Case& c, const Mesh& mesh, const Peak& von_mises);
+std::string note_on_chords_of_file(const PlacedValue& top);
 /// Of the von Mises stress in the middle of the boundary edges that meet at a vertex, the larger one; 0 for none.
 double beside(const Model& model, const State& state, const PlotData& data, bool plane_strain, const Vec2& vertex);
 

@@ -17,6 +17,7 @@
 #include "app/report.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
+#include "geometry/curved.hpp"
 #include "io/document.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
@@ -270,6 +271,7 @@ Adapted solve_body_as_it_can(Case& c, Journal& journal, Result& r) {
   } catch (const FoldedTriangle& e) {
     if (c.curved.value_or(false)) throw;
     c.sizing.curved = false;
+    if (c.mesh) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
     c.why_chords = e.what();
     return solve_body(c, journal, r);
   }
@@ -319,6 +321,9 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
     const double middles = beside(adapted.model, adapted.state, data, c.plane_strain, top->at);
     if (const std::string chords = note_on_chords(c, *top, middles); !chords.empty()) r.state->notes.push_back(chords);
   }
+  if (r.state->von_mises && lies_on_chords_of_file(c, adapted.model.mesh, *r.state->von_mises))
+    r.state->notes.push_back(note_on_chords_of_file(r.state->von_mises->singular ? *r.state->von_mises->regular
+                                                                                 : r.state->von_mises->largest));
   journal.seconds.recover += journal.lap();
   const auto alone = [&journal](Case& one, Result& unseen) { return solve_body_as_it_can(one, journal, unseen); };
   if (certified(adapted.state)) add_load_cases(c, adapted, alone, journal, r);

@@ -1,5 +1,6 @@
 // A plate of 200 x 100 mm with a hole and a crack, for gmsh -2 plate.geo. Lengths in mm.
 h = 10;
+Mesh.ElementOrder = 2;   // edges along the hole follow the circle, not its chords
 Point(1) = {0, 0, 0, h};   Point(2) = {200, 0, 0, h};   Point(3) = {200, 100, 0, h};   Point(4) = {0, 100, 0, h};
 Line(1) = {1, 2};   Line(2) = {2, 3};   Line(3) = {3, 4};   Line(4) = {4, 1};
 

@@ -16,4 +16,11 @@ std::vector<Arc> arcs_of(const Shape& shape) {
   return arcs;
 }
 
+Mesh with_chords(const Mesh& mesh) {
+  Mesh straight = mesh;
+  straight.arc.clear();
+  straight.arcs.clear();
+  return straight;
+}
+
 }  // namespace kerf

@@ -153,7 +153,8 @@ struct Case {
 /// "file:line:column" of a key, or of the nearest table around it that there is.
 std::string place_of(const Case& c, std::string key);
 
-/// Sets sizing.curved and why_chords for the shape, as `curved` asks, or wherever the job can.
+/// Sets sizing.curved and why_chords for the shape, as `curved` asks, or wherever the job can; a mesh from a file gets
+/// chords where it must.
 void choose_edges(Case& c);
 
 /// What [optimize] asks about: straight edges, its own element. `threads` of all that is solved.

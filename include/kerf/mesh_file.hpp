@@ -25,7 +25,7 @@ struct MeshFileRequest {
 };
 
 /// A mesh as it stands in a file, and the shape that it fills: straight sides between the corners of the mesh where its
-/// boundary turns. Labels, cracks and regions are numbered alike in both.
+/// boundary turns, arcs where it follows a curve. Labels, cracks and regions are numbered alike in both.
 struct MeshFile {
   Mesh mesh;
   Shape shape;
@@ -41,7 +41,8 @@ inline constexpr std::string_view unnamed_side = "unnamed";
 /// Formats 2.x and 4.1 of gmsh, text or binary. Physical curves on the rim are labels; those named crack:<name> inside
 /// are cracks, along which nodes may be doubled (gmsh's plugin Crack), and which must be simple paths; other curves
 /// inside are left out with a note. A physical group without a name goes by its number; characters that names of kerf
-/// cannot have become _. Throws Error(Geometry) naming file, element or node and point for what is no plane mesh of
+/// cannot have become _. Of second order, edges of the rim, of cracks and between materials follow the curves of their
+/// nodes. Throws Error(Geometry) naming file, element or node and point for what is no plane mesh of
 /// triangles that meet edge to edge and make up one body; Error(Files) for what cannot be read; Error(Usage) for a
 /// named side that is none.
 MeshFile read_mesh(const std::filesystem::path& path, const MeshFileRequest& request = {});
@@ -52,7 +53,8 @@ MeshFile parse_mesh(std::string name, std::string_view bytes, const MeshFileRequ
 enum class MshVersion { V4, V2 };  // 4.1, 2.2
 
 /// A mesh with physical groups: labels, crack:<name> per crack, surfaces by the names of the regions and "body".
-/// read_mesh gives the same mesh, bit for bit, if that came from it. `shape`: what the numbers of the mesh count into.
+/// With curved edges of second order, their middles on the curves. read_mesh gives the same mesh, bit for bit with
+/// straight edges, if that came from it. `shape`: what the numbers of the mesh count into.
 /// Throws Error(Files) naming the path.
 void write_mesh(const std::filesystem::path& path, const Mesh& mesh, const Shape& shape,
                 MshVersion version = MshVersion::V4);

@@ -63,9 +63,10 @@ void read_curved(const Value& document, Case& c) {
   if (c.curved.value_or(false)) {
     if (const auto why = refusal(c.element, can_be_curved))
       fail(curved->node->position, fmt::format("{}: {}", curved->name, *why));
-    if (find(need(document, "domain"), "file"))
-      fail(curved->node->position,
-           curved->name + " goes with a body that is drawn in the case: a file has chords already");
+    if (c.mesh && c.mesh->arc.empty())
+      fail(curved->node->position, curved->name +
+                                       ": the mesh in domain.file has straight edges; save it with second order (gmsh: "
+                                       "Mesh.ElementOrder = 2), or leave this out");
     if (c.divisions > 0) {
       const Value divided = need(*mesh, "refine");
       fail(divided.node->position, fmt::format("{} does not go with mesh.curved; leave one of them out", divided.name));
@@ -261,8 +262,10 @@ std::string place_of(const Case& c, std::string key) {
 }
 
 void choose_edges(Case& c) {
-  c.why_chords = !c.curved && !c.mesh && !arcs_of(c.shape).empty() ? why_chords(c) : "";
-  c.sizing.curved = c.curved.value_or(!c.mesh && !arcs_of(c.shape).empty() && c.why_chords.empty());
+  const bool has_arcs = c.mesh ? !c.mesh->arc.empty() : !arcs_of(c.shape).empty();
+  c.why_chords = !c.curved && has_arcs ? why_chords(c) : "";
+  c.sizing.curved = c.curved.value_or(has_arcs && c.why_chords.empty());
+  if (c.mesh && has_arcs && !c.sizing.curved) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
 }
 
 Problem problem_of(const Case& c, int threads) {

@@ -5,6 +5,7 @@
 #include "geometry/topology.hpp"
 #include "io/files.hpp"
 #include "io/mesh/curves.hpp"
+#include "io/mesh/second_order.hpp"
 #include "io/mesh/welded.hpp"
 #include "io/words.hpp"
 #include "kerf/mesh_file.hpp"
@@ -51,6 +52,7 @@ class BodyMaker {
     check_rim(raw_, welded_);
     read_lines();
     check_doubled();
+    follow_curves();
     RimLoops rim = trace(welded_.mesh, [](Index) { return true; });
     name_sides(rim);
     rename_labels(rim);
@@ -81,8 +83,9 @@ class BodyMaker {
     return left == none || right == none;
   }
 
-  Index edge_of(const RawLine& line) const {
-    const auto ends = std::minmax(welded_.vertex[std::size_t(line.v[0])], welded_.vertex[std::size_t(line.v[1])]);
+  /// Between two nodes of the file, or none.
+  Index edge_between(Index a, Index b) const {
+    const auto ends = std::minmax(welded_.vertex[std::size_t(a)], welded_.vertex[std::size_t(b)]);
     if (ends.first == none) return none;
     const std::array<Index, 2> wanted{ends.first, ends.second};
     const auto& edges = welded_.mesh.edges;
@@ -106,7 +109,7 @@ class BodyMaker {
       if (group.first == 1 && name.starts_with(crack_prefix)) crack_number(name);
     std::set<std::string> inside;
     for (const RawLine& line : raw_.lines) {
-      const Index e = edge_of(line);
+      const Index e = edge_between(line.v[0], line.v[1]);
       const auto& groups = raw_.groups[std::size_t(line.groups)];
       if (e == none) {
         if (!groups.empty())
@@ -169,6 +172,43 @@ class BodyMaker {
             fmt::format("the triangles on both sides of the edge at {} have nodes of their own there, but no physical "
                         "curve crack:<name> has that edge",
                         at(middle(Index(e)))));
+  }
+
+  /// The nodes in the middle of edges; triangles on both sides of one must agree on it.
+  std::vector<Vec2> middles() const {
+    std::vector<Vec2> found(welded_.mesh.edges.size(), Vec2::Constant(nan));
+    for (const RawTriangle& t : raw_.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (t.middle[i] == none) continue;
+        const Index e = edge_between(t.v[i], t.v[(i + 1) % 3]);
+        const Vec2& own = raw_.points[std::size_t(t.middle[i])];
+        Vec2& x = found[std::size_t(e)];
+        if (x.allFinite() && (x - own).norm() > 1e-9 * welded_.extent)
+          fail(
+              fmt::format("element {} has its node in the middle of the edge at {} elsewhere than its neighbor there, "
+                          "at {}: faces must lie on each other",
+                          t.tag, at(own), at(x)));
+        if (!x.allFinite()) x = own;
+      }
+    return found;
+  }
+
+  /// Edges of the rim, of cracks and between materials are bent as the nodes in their middle say.
+  void follow_curves() {
+    if (std::none_of(raw_.triangles.begin(), raw_.triangles.end(),
+                     [](const RawTriangle& t) { return t.middle[0] != none; }))
+      return;
+    MiddleNodes nodes{middles(), std::vector<Index>(welded_.mesh.edges.size(), none)};
+    const std::vector<Index> material = surface_of(request_.materials);
+    constexpr Index rim = 0, between = 1, first_crack = 2;
+    for (std::size_t e = 0; e < nodes.chain.size(); ++e) {
+      const auto& [left, right] = welded_.mesh.sides[e];
+      nodes.chain[e] = on_rim(Index(e))                                              ? rim
+                       : marks_.crack[e] != none                                     ? first_crack + marks_.crack[e]
+                       : material[std::size_t(left)] != material[std::size_t(right)] ? between
+                                                                                     : none;
+    }
+    curve_ = bend(welded_.mesh, nodes, welded_.extent);
   }
 
   /// The half edges around half edge k of a loop that belong to the same side: of the same curve of the geometry;
@@ -278,7 +318,7 @@ class BodyMaker {
   }
 
   OnCurves on_curves() const {
-    return {raw_.curves, marks_.entity, welded_.extent};
+    return {raw_.curves, marks_.entity, welded_.extent, curve_};
   }
 
   void draw_cracks() {
@@ -378,6 +418,7 @@ class BodyMaker {
   const MeshFileRequest& request_;
   Welded welded_;
   EdgeMarks marks_;
+  std::vector<Index> curve_;  // of edges that are bent
   MeshFile out_;
 };
 

@@ -80,10 +80,72 @@ std::vector<Side> whole_curve(const RawCurve& curve, Index label, const OnCurves
   return sides(fit_arcs(trace, fit(on)).chain, label);
 }
 
+/// The arc of an edge from its end a.
+Arc arc_from(const Mesh& mesh, Index edge, Index a) {
+  Arc arc = mesh.arcs[std::size_t(mesh.arc[std::size_t(edge)])];
+  if (mesh.edges[std::size_t(edge)][0] != a) std::swap(arc.from, arc.to);
+  return arc;
+}
+
+/// Sides along the arcs of the edges, each at most a third of a turn, and straight ones between.
+std::vector<Side> sides_along(const Mesh& mesh, const RimLoop& loop, const std::vector<Index>& label,
+                              const OnCurves& on) {
+  const std::size_t n = loop.size();
+  const auto of = [&](std::size_t i) {
+    const std::size_t e = std::size_t(loop[i % n].edge);
+    return std::pair(label[e], on.bent[e]);
+  };
+  const auto point = [&](std::size_t i) { return mesh.points[std::size_t(loop[i % n].a)]; };
+  std::size_t begin = 0;
+  while (begin < n && of(begin) == of(begin + n - 1)) ++begin;
+  std::vector<Side> out;
+  for (std::size_t i = begin, end; i < begin + n; i = end) {
+    end = i + 1;
+    if (of(i).second == none) {
+      std::vector<Vec2> line{point(i)};
+      for (; end < begin + n && of(end) == of(i); ++end) line.push_back(point(end));
+      line.push_back(point(end));
+      add_line(line, of(i).first, 1e-10 * on.extent, out);
+      continue;
+    }
+    Arc arc = arc_from(mesh, loop[i % n].edge, loop[i % n].a);
+    for (; end < begin + n && of(end) == of(i); ++end) {
+      const Arc next = arc_from(mesh, loop[end % n].edge, loop[end % n].a);
+      if (std::abs(arc.to - arc.from) + std::abs(next.to - next.from) > 2 * pi / 3) break;
+      arc.to += next.to - next.from;
+    }
+    const bool round = arc.axes == arc.axes(0, 0) * Mat2::Identity();
+    Side side{point(i), of(i).first, {}};
+    side.arc = round ? arc_between(point(i), point(end), arc.center) : arc;
+    out.push_back(side);
+  }
+  return out;
+}
+
+/// A path along one circle, at most a whole turn.
+std::optional<Crack> crack_on_circle(const Mesh& mesh, const std::vector<CrackEdge>& path, const OnCurves& on) {
+  const Index curve = on.bent[std::size_t(path.front().edge)];
+  double turn = 0;
+  for (const CrackEdge& piece : path) {
+    const std::size_t e = std::size_t(piece.edge);
+    if (curve == none || on.bent[e] != curve) return std::nullopt;
+    const Arc& arc = mesh.arcs[std::size_t(mesh.arc[e])];
+    turn += piece.forward ? arc.to - arc.from : arc.from - arc.to;
+  }
+  const auto& [low, high] = mesh.edges[std::size_t(path.front().edge)];
+  const Arc first = arc_from(mesh, path.front().edge, path.front().forward ? low : high);
+  if (first.axes != first.axes(0, 0) * Mat2::Identity()) return std::nullopt;
+  Crack crack = arc_crack("", first.center, first.axes(0, 0), first.from, first.from + turn);
+  const std::vector<Vec2> points = points_of(mesh, path);
+  crack.points = {points.front(), points.back()};
+  return crack;
+}
+
 }  // namespace
 
 std::vector<Side> drawn_sides(const Mesh& mesh, const RimLoop& loop, const std::vector<Index>& label,
                               const OnCurves& on) {
+  if (!mesh.arc.empty()) return sides_along(mesh, loop, label, on);
   if (on.curves.empty()) return sides_of(mesh, loop, label, 1e-10 * on.extent);
   const std::size_t n = loop.size();
   const auto key = [&](std::size_t i) {
@@ -119,6 +181,8 @@ std::vector<Side> drawn_sides(const Mesh& mesh, const RimLoop& loop, const std::
 
 Crack drawn_crack(const Mesh& mesh, const std::vector<CrackEdge>& path, const OnCurves& on) {
   const std::vector<Vec2> points = points_of(mesh, path);
+  if (!mesh.arc.empty())
+    if (auto crack = crack_on_circle(mesh, path, on)) return *std::move(crack);
   Crack crack;
   std::vector<Vec2> line;
   for (std::size_t i = 0; i < path.size();) {

@@ -14,6 +14,7 @@ struct OnCurves {
   const std::map<std::int32_t, RawCurve>& curves;
   const std::vector<std::int32_t>& entity;  // per edge
   double extent;
+  const std::vector<Index>& bent;  // per edge with an arc in the mesh, its curve; empty when all edges are straight
 };
 
 /// The sides of a loop; `label` per edge.

@@ -135,7 +135,7 @@ void mesh(const KerfGmshRequest& request) {
   if (request.size > 0) gmsh::option::setNumber("Mesh.MeshSizeMax", request.size);
   // Points are moved at random by this part of the size, which turns triangles over at small tips.
   gmsh::option::setNumber("Mesh.RandomFactor", 1e-13);
-  gmsh::option::setNumber("Mesh.ElementOrder", 1);
+  gmsh::option::setNumber("Mesh.ElementOrder", request.outline ? 1 : 2);
   gmsh::model::mesh::generate(2);
   throw_logged_error();
   gmsh::option::setNumber("Mesh.MshFileVersion", 4.1);

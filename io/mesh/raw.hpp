@@ -14,7 +14,7 @@
 namespace kerf {
 
 /// A line or a triangle. `entity`: the curve or surface of the geometry that it is a part of; `groups`: which of
-/// RawMesh::groups it is in.
+/// RawMesh::groups it is in; `middle`: of second order the nodes between v[i] and v[i + 1].
 struct RawLine {
   std::array<Index, 2> v;
   std::int64_t tag;
@@ -26,6 +26,7 @@ struct RawTriangle {
   std::int64_t tag;
   std::int32_t entity;
   Index groups;
+  std::array<Index, 3> middle = {none, none, none};
 };
 
 /// A curve of the geometry that a mesh was made of. `points`: along it, its ends among them.

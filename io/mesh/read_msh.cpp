@@ -58,17 +58,17 @@ struct CellKind {
 constexpr CellKind kinds[] = {
     {1, 2, ""},
     {2, 3, ""},
+    {8, 3, ""},
+    {9, 6, ""},
     {15, 1, ""},
     {3, 0, "a quadrilateral; kerf takes triangles (gmsh: leave out Recombine)"},
     {4, 0, "a tetrahedron; kerf takes plane meshes (gmsh -2)"},
     {5, 0, "a hexahedron; kerf takes plane meshes (gmsh -2)"},
     {6, 0, "a prism; kerf takes plane meshes (gmsh -2)"},
     {7, 0, "a pyramid; kerf takes plane meshes (gmsh -2)"},
-    {8, 0, "a line of second order; kerf takes straight ones (gmsh -order 1)"},
-    {9, 0, "a triangle of second order; kerf takes straight ones (gmsh -order 1)"},
-    {10, 0, "a quadrilateral of second order; kerf takes straight triangles (gmsh -order 1)"},
+    {10, 0, "a quadrilateral of second order; kerf takes triangles (gmsh: leave out Recombine)"},
     {11, 0, "a tetrahedron of second order; kerf takes plane meshes (gmsh -2)"},
-    {16, 0, "a quadrilateral of second order; kerf takes straight triangles (gmsh -order 1)"},
+    {16, 0, "a quadrilateral of second order; kerf takes triangles (gmsh: leave out Recombine)"},
 };
 
 class MshReader {
@@ -268,7 +268,7 @@ class MshReader {
     if (kind == std::end(kinds))
       in_.fail(
           fmt::format("element {} has the type {} of gmsh, of higher order or unknown; kerf takes lines and triangles "
-                      "of first order",
+                      "of first and second order",
                       tag, type));
     return kind->nodes;
   }
@@ -290,15 +290,17 @@ class MshReader {
     const int n = nodes_of(type, tag);
     if (n == 0) refuse_kind(type, tag, node());
     if (!cells_.add(tag, 0)) in_.fail(fmt::format("element {} stands twice", tag));
-    std::array<Index, 3> v{none, none, none};
+    std::array<Index, 6> v;
+    v.fill(none);
     for (int i = 0; i < n; ++i) {
       const std::int64_t wanted = node();
       v[std::size_t(i)] = points_.find(wanted);
       if (v[std::size_t(i)] == none)
         in_.fail(fmt::format("element {} has the node {}, which there is not", tag, wanted));
     }
-    if (type == 1) mesh_.lines.push_back({{v[0], v[1]}, tag, entity, groups});
-    if (type == 2) mesh_.triangles.push_back({v, tag, entity, groups});
+    if (type == 1 || type == 8) mesh_.lines.push_back({{v[0], v[1]}, tag, entity, groups});
+    if (type == 2 || type == 9)
+      mesh_.triangles.push_back({{v[0], v[1], v[2]}, tag, entity, groups, {v[3], v[4], v[5]}});
     if (static_cast<std::int64_t>(mesh_.triangles.size()) > most_cells)
       in_.fail(fmt::format("there are more than {} triangles; a coarser mesh is needed", most_cells));
   }

@@ -1,3 +1,4 @@
+#include "geometry/plane.hpp"
 #include "io/files.hpp"
 #include "kerf/mesh_file.hpp"
 
@@ -30,7 +31,7 @@ std::string surface_name(const Shape& shape, const std::string& name) {
 }
 
 struct Line {
-  Index a, b, group;
+  Index a, b, group, edge;
 };
 
 /// Groups by number, lines and the groups of triangles.
@@ -55,7 +56,7 @@ Cells cells_of(const Mesh& mesh, const Shape& shape) {
     if (mesh.label[e] == none) continue;
     auto [a, b] = mesh.edges[e];
     if (mesh.sides[e][0] == none) std::swap(a, b);  // the body on the left
-    out.lines.push_back({a, b, mesh.label[e]});
+    out.lines.push_back({a, b, mesh.label[e], Index(e)});
   }
   std::stable_sort(out.lines.begin(), out.lines.end(), [](const Line& x, const Line& y) { return x.group < y.group; });
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c) {
@@ -63,7 +64,7 @@ Cells cells_of(const Mesh& mesh, const Shape& shape) {
     for (const CrackEdge& piece : mesh.cracks[c]) {
       auto [a, b] = mesh.edges[std::size_t(piece.edge)];
       if (!piece.forward) std::swap(a, b);
-      out.lines.push_back({a, b, group});
+      out.lines.push_back({a, b, group, piece.edge});
     }
   }
   std::vector<Index> of_region;
@@ -91,9 +92,26 @@ void each_run(std::size_t n, Of&& of, Visit&& visit) {
   }
 }
 
+/// The nodes: the vertices, and with curved edges those in the middle of all edges in their order.
+std::vector<Vec2> nodes_of(const Mesh& mesh) {
+  std::vector<Vec2> nodes = mesh.points;
+  if (mesh.arc.empty()) return nodes;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [a, b] = mesh.edges[e];
+    if (mesh.arc[e] == none) {
+      nodes.push_back((mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2);
+      continue;
+    }
+    const Arc& arc = mesh.arcs[std::size_t(mesh.arc[e])];
+    nodes.push_back(at(arc, (arc.from + arc.to) / 2));
+  }
+  return nodes;
+}
+
 class Writer {
  public:
-  Writer(const Mesh& mesh, const Shape& shape) : mesh_(mesh), cells_(cells_of(mesh, shape)) {}
+  Writer(const Mesh& mesh, const Shape& shape)
+      : mesh_(mesh), nodes_(nodes_of(mesh)), second_(!mesh.arc.empty()), cells_(cells_of(mesh, shape)) {}
 
   std::string write(MshVersion version) {
     print("$MeshFormat\n{} 0 8\n$EndMeshFormat\n", version == MshVersion::V2 ? "2.2" : "4.1");
@@ -111,27 +129,50 @@ class Writer {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
   }
 
+  /// gmsh's numbers of cells.
+  int line_type() const {
+    return second_ ? 8 : 1;
+  }
+  int triangle_type() const {
+    return second_ ? 9 : 2;
+  }
+  std::size_t middle_of(Index edge) const {
+    return mesh_.points.size() + std::size_t(edge) + 1;
+  }
+  std::vector<std::size_t> nodes_on(const Line& line) const {
+    std::vector<std::size_t> nodes{std::size_t(line.a) + 1, std::size_t(line.b) + 1};
+    if (second_) nodes.push_back(middle_of(line.edge));
+    return nodes;
+  }
+  /// The corners, then the middles from the first to the second and on.
+  std::vector<std::size_t> nodes_on(std::size_t triangle) const {
+    std::vector<std::size_t> nodes;
+    for (const Index v : mesh_.triangles[triangle]) nodes.push_back(std::size_t(v) + 1);
+    if (second_)
+      for (const std::size_t opposite : {2, 0, 1}) nodes.push_back(middle_of(mesh_.edges_of[triangle][opposite]));
+    return nodes;
+  }
+
   void write_2() {
-    print("$Nodes\n{}\n", mesh_.points.size());
-    for (std::size_t p = 0; p < mesh_.points.size(); ++p)
-      print("{} {:.17g} {:.17g} 0\n", p + 1, mesh_.points[p].x(), mesh_.points[p].y());
+    print("$Nodes\n{}\n", nodes_.size());
+    for (std::size_t p = 0; p < nodes_.size(); ++p)
+      print("{} {:.17g} {:.17g} 0\n", p + 1, nodes_[p].x(), nodes_[p].y());
     print("$EndNodes\n$Elements\n{}\n", cells_.lines.size() + mesh_.triangles.size());
     std::size_t tag = 0;
-    for (const auto& [a, b, group] : cells_.lines)
-      print("{} 1 2 {} {} {} {}\n", ++tag, group + 1, group + 1, a + 1, b + 1);
+    for (const Line& line : cells_.lines)
+      print("{} {} 2 {} {} {}\n", ++tag, line_type(), line.group + 1, line.group + 1, fmt::join(nodes_on(line), " "));
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const Index group = cells_.of_triangle[t];
-      const auto& [a, b, c] = mesh_.triangles[t];
-      print("{} 2 2 {} {} {} {} {}\n", ++tag, group + 1, group + 1, a + 1, b + 1, c + 1);
+      print("{} {} 2 {} {} {}\n", ++tag, triangle_type(), group + 1, group + 1, fmt::join(nodes_on(t), " "));
     }
     print("$EndElements\n");
   }
 
   void write_4() {
     write_entities();
-    print("$Nodes\n1 {0} 1 {0}\n2 {1} 0 {0}\n", mesh_.points.size(), a_surface() + 1);
-    for (std::size_t p = 0; p < mesh_.points.size(); ++p) print("{}\n", p + 1);
-    for (const Vec2& x : mesh_.points) print("{:.17g} {:.17g} 0\n", x.x(), x.y());
+    print("$Nodes\n1 {0} 1 {0}\n2 {1} 0 {0}\n", nodes_.size(), a_surface() + 1);
+    for (std::size_t p = 0; p < nodes_.size(); ++p) print("{}\n", p + 1);
+    for (const Vec2& x : nodes_) print("{:.17g} {:.17g} 0\n", x.x(), x.y());
     print("$EndNodes\n");
     const auto line_group = [&](std::size_t i) { return cells_.lines[i].group; };
     const auto triangle_group = [&](std::size_t i) { return cells_.of_triangle[i]; };
@@ -142,15 +183,12 @@ class Writer {
     print("$Elements\n{} {} 1 {}\n", blocks, cells_.lines.size() + mesh_.triangles.size(),
           cells_.lines.size() + mesh_.triangles.size());
     each_run(cells_.lines.size(), line_group, [&](std::size_t from, std::size_t to, Index group) {
-      print("1 {} 1 {}\n", group + 1, to - from);
-      for (std::size_t i = from; i < to; ++i) print("{} {} {}\n", ++tag, cells_.lines[i].a + 1, cells_.lines[i].b + 1);
+      print("1 {} {} {}\n", group + 1, line_type(), to - from);
+      for (std::size_t i = from; i < to; ++i) print("{} {}\n", ++tag, fmt::join(nodes_on(cells_.lines[i]), " "));
     });
     each_run(mesh_.triangles.size(), triangle_group, [&](std::size_t from, std::size_t to, Index group) {
-      print("2 {} 2 {}\n", group + 1, to - from);
-      for (std::size_t i = from; i < to; ++i) {
-        const auto& [a, b, c] = mesh_.triangles[i];
-        print("{} {} {} {}\n", ++tag, a + 1, b + 1, c + 1);
-      }
+      print("2 {} {} {}\n", group + 1, triangle_type(), to - from);
+      for (std::size_t i = from; i < to; ++i) print("{} {}\n", ++tag, fmt::join(nodes_on(i), " "));
     });
     print("$EndElements\n");
   }
@@ -177,6 +215,8 @@ class Writer {
   }
 
   const Mesh& mesh_;
+  std::vector<Vec2> nodes_;
+  bool second_;
   Cells cells_;
   fmt::memory_buffer text_;
 };

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -36,6 +38,39 @@ class MeshFileRun : public test::InFolder {
     return json::parse(file);
   }
 };
+
+// Lame's ring of radii 1 and 2 under inner pressure, its mesh through files of first and of second order: the largest
+// von Mises stress of plane strain is 2.3132.
+TEST_F(MeshFileRun, SecondOrderKeepsTheCurves) {
+  Shape ring{circle("outline", {0, 0}, 2, 0), {}, {}, {"rim", "hole"}, {}};
+  ring.holes.push_back(circle("hole", {0, 0}, 1, 1));
+  Mesh mesh = triangulate(ring, {.size = 0.2, .curved = true});
+  const auto solved = [&](const std::string& more) {
+    write_mesh(folder / "ring.msh", mesh, ring);
+    std::ofstream(folder / "ring.toml") << "[domain]\nfile = 'ring.msh'\n[material]\nyoung = 1000\npoisson = 0.3\n"
+                                        << "[[boundary]]\non = 'hole'\npressure = 1\n"
+                                        << "[output]\nvtk = false\npng = false\nhtml = false\n"
+                                        << more;
+    return run(read_case(folder / "ring.toml"), Job::Solve, {.folder = folder / "out"});
+  };
+  const auto says = [](const Result& r, const std::string& words) {
+    return std::ranges::any_of(r.state->notes, [&](const std::string& n) { return n.find(words) != n.npos; });
+  };
+  constexpr double t = 5.0 / 3, z = 0.3 * (t - 1);
+  const double exact = std::sqrt(((t + 1) * (t + 1) + (1 + z) * (1 + z) + (z - t) * (z - t)) / 2);
+  const Result curved = solved("");
+  const PlacedValue& peak = curved.state->von_mises->largest;
+  EXPECT_NEAR(peak.value, exact, *peak.margin);
+  EXPECT_LT(*peak.margin, 2e-3 * exact);
+  EXPECT_FALSE(says(curved, "Mesh.ElementOrder"));
+  EXPECT_GT(solved("[mesh]\ncurved = false\n").state->von_mises->largest.value, 1.02 * exact);
+  EXPECT_TRUE(says(solved("[mesh]\nrefine = 1\n"), "mesh.refine divides straight triangles"));
+  mesh.arc.clear();
+  mesh.arcs.clear();
+  const Result chords = solved("");
+  EXPECT_GT(chords.state->von_mises->largest.value, 1.02 * exact);
+  EXPECT_TRUE(says(chords, "Mesh.ElementOrder = 2"));
+}
 
 TEST_F(MeshFileRun, TheStateIsOnTheMeshOfTheFile) {
   const json r = run_job(plate("[[crack]]\nname = 'c'\ncontact = 'open'\n"), Job::Map);

@@ -93,7 +93,8 @@ TEST(Request, CurvedSidesNeedAnElementAndADrawing) {
   const std::string file =
       "[domain]\nfile = '" + meshes::file("gmsh41").string() + "'\n[material]\nyoung = 1\npoisson = 0.3\n";
   EXPECT_EQ(error(file + curved + "[solver]\ndegree = 2\n"),
-            "a.toml:7:10: curved in [mesh] goes with a body that is drawn in the case: a file has chords already");
+            "a.toml:7:10: curved in [mesh]: the mesh in domain.file has straight edges; save it with second order "
+            "(gmsh: Mesh.ElementOrder = 2), or leave this out");
 }
 
 // Edges follow the curves of a body wherever the job can; of the iterations of an optimization never.

@@ -27,12 +27,24 @@ TEST(BadMesh, Quadrilaterals) {
             "out Recombine)");
 }
 
-TEST(BadMesh, CellsOfSecondOrder) {
+TEST(BadMesh, CellsOfThirdOrder) {
   Square s;
-  s.elements[9] = "12 9 2 0 1 1 5 4 2 3 6";
+  s.elements[9] = "12 21 2 0 1 1 5 4 2 3 6 7 8 9 3";
   EXPECT_EQ(complaint(s.text()),
-            "a.msh:34: element 12 at (0, 0) is a triangle of second order; kerf takes straight ones "
-            "(gmsh -order 1)");
+            "a.msh:34: element 12 has the type 21 of gmsh, of higher order or unknown; kerf takes lines and triangles "
+            "of first and second order");
+}
+
+// The node in the middle of the edge between elements 11 and 12 is another one for each.
+TEST(BadMesh, MiddlesOfEdgesThatDiffer) {
+  Square s;
+  s.nodes.insert(s.nodes.end(),
+                 {"21 0.5 0 0", "22 1 0.5 0", "23 0.5 0.5 0", "24 0.5 0.6 0", "25 0.5 1 0", "26 0 0.5 0"});
+  s.elements[8] = "11 9 2 0 1 1 2 5 21 22 23";
+  s.elements[9] = "12 9 2 0 1 1 5 4 24 25 26";
+  EXPECT_EQ(complaint(s.text()),
+            "a.msh: element 12 has its node in the middle of the edge at (0.5, 0.6) elsewhere than its neighbor there, "
+            "at (0.5, 0.5): faces must lie on each other");
 }
 
 TEST(BadMesh, NoGroups) {

@@ -122,7 +122,7 @@ TEST(DamagedMesh, ElementsOfFormat2) {
   type.elements[8] = "11 93 2 0 1 1 2 5";
   EXPECT_EQ(complaint(type.text()),
             "a.msh:33: element 11 has the type 93 of gmsh, of higher order or unknown; kerf takes lines and triangles "
-            "of first order");
+            "of first and second order");
   type.elements[8] = "11 4 2 0 1 77 2 5 4";
   EXPECT_EQ(complaint(type.text()), "a.msh:33: element 11 is a tetrahedron; kerf takes plane meshes (gmsh -2)");
 }
