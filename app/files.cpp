@@ -40,11 +40,12 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
 }
 
 /// With copies of what the data go on to be used for.
-void write_fields(const Journal& journal, const std::string& name, const PlotData& data,
+void write_fields(const Journal& journal, const std::string& name, const Mesh& mesh, const PlotData& data,
                   std::vector<NamedField> fields) {
   const std::size_t bytes = held(data.points, data.corners, fields);
   journal.later([path = journal.file(name), points = data.points, triangles = data.corners.of,
-                 fields = std::move(fields)] { write_vtu(path, points, triangles, fields); },
+                 middle = middle_points(mesh, data.corners.of),
+                 fields = std::move(fields)] { write_vtu(path, points, triangles, fields, middle); },
                 bytes);
 }
 
@@ -120,7 +121,8 @@ void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks) {
   if (journal.vtk)
-    write_fields(journal, "state.vtu", data, state_fields(adapted.model, adapted.state, data, adapted.indicator));
+    write_fields(journal, "state.vtu", adapted.model.mesh, data,
+                 state_fields(adapted.model, adapted.state, data, adapted.indicator));
   write_crack_files(journal, cracks);
 }
 
@@ -205,7 +207,7 @@ void write_design_files(const Journal& journal, const Case& c, const OptimizeRes
 
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
-  if (journal.vtk && is_everywhere(map.full)) write_fields(journal, "map.vtu", data, map_fields(map));
+  if (journal.vtk && is_everywhere(map.full)) write_fields(journal, "map.vtu", mesh, data, map_fields(map));
   write_map_table(journal, task, map, mesh, data);
 }
 

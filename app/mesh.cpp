@@ -29,7 +29,7 @@ void write_groups(const std::filesystem::path& path, const Mesh& mesh, const Sha
     fields.push_back(flags_of_edges(shape.labels[k], mesh, mesh.label, static_cast<Index>(k)));
   for (std::size_t k = 0; k < shape.cracks.size(); ++k)
     fields.push_back(flags_of_edges("crack:" + shape.cracks[k].name, mesh, mesh.crack, static_cast<Index>(k)));
-  write_vtu(path, mesh.points, mesh.triangles, fields);
+  write_vtu(path, mesh.points, mesh.triangles, fields, middle_points(mesh, mesh.triangles));
 }
 
 }  // namespace

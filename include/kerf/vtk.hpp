@@ -1,6 +1,7 @@
 #pragma once
 // Fields on triangles and on lines, to files ParaView opens. VTK lives in vtk_module.cpp and nowhere else.
 
+#include "kerf/mesh.hpp"
 #include "kerf/types.hpp"
 
 #include <array>
@@ -22,9 +23,22 @@ struct NamedField {
 /// Loads VTK now. Throws Error(Files) when it cannot be had: better before the solve than after.
 void require_vtk();
 
-/// XML unstructured grid of triangles, raw binary (doubles hardly compress). Throws Error(Files) naming the path.
+/// Points in the middle of the edges of triangles that have a curved one.
+struct MiddlePoints {
+  std::vector<Vec2> at;                       // on the arc, or on the chord of a straight edge
+  std::vector<std::array<Index, 2>> between;  // the ends of its edge, as `triangles` number them
+  std::vector<std::array<Index, 3>> of;  // per triangle, of its edges from corner i to corner i + 1, or none; empty
+                                         // when all triangles are straight
+};
+/// `triangles`: those of the mesh, by numbers of points that they share with a neighbor or not (as at cracks).
+MiddlePoints middle_points(const Mesh& mesh, std::span<const std::array<Index, 3>> triangles);
+
+/// XML unstructured grid of triangles, raw binary (doubles hardly compress). Those with middle points are quadratic
+/// ones, these points follow the others, with the mean of what the fields are at both ends. Throws Error(Files) naming
+/// the path.
 void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
-               std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields);
+               std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields,
+               const MiddlePoints& middle = {});
 
 /// The grid that these pieces (files beside it) are parts of, each with fields of these names, kinds and components.
 void write_pvtu(const std::filesystem::path& path, std::span<const std::string> pieces,

@@ -1,5 +1,6 @@
 #include "kerf/vtk.hpp"
 
+#include "geometry/plane.hpp"
 #include "io/files.hpp"
 #include "io/module.hpp"
 #include "io/result/vtk_module.hpp"
@@ -7,7 +8,9 @@
 #include <dlfcn.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <climits>
+#include <map>
 
 namespace kerf {
 
@@ -81,10 +84,89 @@ void require_vtk() {
   loaded();
 }
 
+MiddlePoints middle_points(const Mesh& mesh, std::span<const std::array<Index, 3>> triangles) {
+  MiddlePoints out;
+  if (mesh.arc.empty()) return out;
+  out.of.assign(triangles.size(), {none, none, none});
+  std::map<std::pair<Index, Index>, Index> number;  // of its ends
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto& edges = mesh.edges_of[t];
+    if (std::ranges::all_of(edges, [&](Index e) { return mesh.arc[std::size_t(e)] == none; })) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Index a = triangles[t][i], b = triangles[t][(i + 1) % 3];
+      const auto [place, fresh] = number.emplace(std::minmax(a, b), Index(out.at.size()));
+      out.of[t][i] = place->second;
+      if (!fresh) continue;
+      const auto e = std::size_t(edges[(i + 2) % 3]);
+      const auto& [from, to] = mesh.edges[e];
+      const Arc* arc = mesh.arc[e] == none ? nullptr : &mesh.arcs[std::size_t(mesh.arc[e])];
+      out.at.push_back(arc ? at(*arc, (arc->from + arc->to) / 2)
+                           : Vec2((mesh.points[std::size_t(from)] + mesh.points[std::size_t(to)]) / 2));
+      out.between.push_back({a, b});
+    }
+  }
+  return out;
+}
+
+namespace {
+
+/// With the means of the ends of edges behind the values at points.
+std::vector<NamedField> extended(std::span<const NamedField> fields, const MiddlePoints& middle) {
+  std::vector<NamedField> out(fields.begin(), fields.end());
+  for (NamedField& field : out) {
+    if (field.per_cell) continue;
+    const Eigen::Index n = field.values.cols();
+    field.values.conservativeResize(Eigen::NoChange, n + Eigen::Index(middle.at.size()));
+    for (std::size_t k = 0; k < middle.at.size(); ++k) {
+      const auto& [a, b] = middle.between[k];
+      field.values.col(n + Eigen::Index(k)) = (field.values.col(a) + field.values.col(b)) / 2;
+    }
+  }
+  return out;
+}
+
+/// The entries of all cells, and where they end.
+struct Cells {
+  std::vector<std::int32_t> entries, ends;
+};
+Cells cells_of(std::span<const std::array<Index, 3>> triangles, const MiddlePoints& middle, std::size_t points) {
+  Cells out;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    out.entries.insert(out.entries.end(), triangles[t].begin(), triangles[t].end());
+    if (middle.of[t][0] != none)
+      for (const Index k : middle.of[t]) out.entries.push_back(Index(points) + k);
+    out.ends.push_back(std::int32_t(out.entries.size()));
+  }
+  return out;
+}
+
+void write_quadratic(const std::filesystem::path& path, std::span<const Vec2> corners,
+                     std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields,
+                     const MiddlePoints& middle) {
+  std::vector<Vec2> points(corners.begin(), corners.end());
+  points.insert(points.end(), middle.at.begin(), middle.at.end());
+  const std::vector<NamedField> values = extended(fields, middle);
+  const std::vector<KerfVtkField> list = plain(values);
+  const Cells cells = cells_of(triangles, middle, corners.size());
+  KerfVtkData data{};
+  data.points = static_cast<std::int64_t>(points.size());
+  data.xy = points.front().data();
+  data.cells = static_cast<std::int64_t>(triangles.size());
+  data.entries = cells.entries.data();
+  data.cell_ends = cells.ends.data();
+  data.fields = static_cast<std::int64_t>(list.size());
+  data.field = list.data();
+  write(path, loaded().triangles, data);
+}
+
+}  // namespace
+
 void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
-               std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields) {
+               std::span<const std::array<Index, 3>> triangles, std::span<const NamedField> fields,
+               const MiddlePoints& middle) {
   check(fields, points.size(), triangles.size());
-  if (triangles.size() > INT_MAX / 3) throw std::invalid_argument("more triangles than 32-bit numbers can name");
+  if (triangles.size() > INT_MAX / (middle.of.empty() ? 3 : 6))
+    throw std::invalid_argument("more triangles than 32-bit numbers can name");
   for (const auto& triangle : triangles) {
     for (const Index p : triangle) {
       if (p < 0 || static_cast<std::size_t>(p) >= points.size()) {
@@ -93,6 +175,7 @@ void write_vtu(const std::filesystem::path& path, std::span<const Vec2> points,
     }
   }
   static_assert(sizeof(Vec2) == 2 * sizeof(double) && sizeof(std::array<Index, 3>) == 3 * sizeof(std::int32_t));
+  if (!middle.of.empty()) return write_quadratic(path, points, triangles, fields, middle);
   const std::vector<KerfVtkField> list = plain(fields);
   KerfVtkData data{};
   data.points = static_cast<std::int64_t>(points.size());

@@ -13,6 +13,7 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkTypeInt32Array.h>
+#include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
@@ -101,7 +102,17 @@ extern "C" bool kerf_vtk_write_triangles(const KerfVtkData* data, KerfVtkSink si
   try {
     vtkNew<vtkUnstructuredGrid> grid;
     add_points_and_fields(*data, *grid);
-    grid->SetCells(VTK_TRIANGLE, cells_of(*data));
+    if (data->cell_ends) {
+      vtkNew<vtkUnsignedCharArray> types;
+      types->SetNumberOfValues(data->cells);
+      for (std::int64_t k = 0; k < data->cells; ++k) {
+        const std::int32_t corners = data->cell_ends[k] - (k > 0 ? data->cell_ends[k - 1] : 0);
+        types->SetValue(k, corners == 3 ? VTK_TRIANGLE : VTK_QUADRATIC_TRIANGLE);
+      }
+      grid->SetCells(types, cells_of(*data));
+    } else {
+      grid->SetCells(VTK_TRIANGLE, cells_of(*data));
+    }
     return write<vtkXMLUnstructuredGridWriter>(*grid, sink, target);
   } catch (const std::exception&) {
     return false;

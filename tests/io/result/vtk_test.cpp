@@ -3,6 +3,7 @@
 #include "kerf/vtk.hpp"
 
 #include "io/files.hpp"
+#include "kerf/mesher.hpp"
 #include "tests/support/sample.hpp"
 
 #include <vtkCell.h>
@@ -15,6 +16,9 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace kerf::vtk_test {
 namespace {
@@ -39,6 +43,46 @@ void expect_same(vtkDataSetAttributes* attributes, const NamedField& field, int 
       ASSERT_EQ(array->GetComponent(i, k), k < field.values.rows() ? field.values(k, i) : 0.0) << field.name;
     }
   }
+}
+
+// Triangles at an arc are quadratic ones, with points on the arc that neighbors share; all others stay as they are.
+TEST(Vtk, CurvedTrianglesReadBack) {
+  const Folder folder;
+  Shape shape{circle("outline", {0, 0}, 2, 0), {}, {}, {"rim", "hole"}, {}};
+  shape.holes.push_back(circle("hole", {0, 0}, 1, 1));
+  const Mesh mesh = triangulate(shape, {.size = 0.3, .curved = true});
+  const auto corners = static_cast<Eigen::Index>(mesh.points.size());
+  Eigen::MatrixXd x(2, corners);
+  for (Eigen::Index i = 0; i < corners; ++i) x.col(i) = mesh.points[std::size_t(i)];
+  const auto path = folder.path / "a.vtu";
+  write_vtu(path, mesh.points, mesh.triangles, std::vector<NamedField>{{"x", false, x}},
+            middle_points(mesh, mesh.triangles));
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  vtkUnstructuredGrid* read = reader->GetOutput();
+  ASSERT_EQ(read->GetNumberOfCells(), vtkIdType(mesh.triangles.size()));
+  int on_arcs = 0, quadratic = 0;
+  for (vtkIdType t = 0; t < read->GetNumberOfCells(); ++t) {
+    int arcs = 0;
+    for (const Index e : mesh.edges_of[std::size_t(t)]) arcs += mesh.arc[std::size_t(e)] != none;
+    ASSERT_EQ(read->GetCellType(t), arcs > 0 ? VTK_QUADRATIC_TRIANGLE : VTK_TRIANGLE);
+    if (arcs == 0) continue;
+    ++quadratic;
+    vtkCell* cell = read->GetCell(t);
+    for (int i = 0; i < 3; ++i) {
+      double m[3];
+      read->GetPoint(cell->GetPointId(3 + i), m);
+      const double r = std::hypot(m[0], m[1]);
+      on_arcs += std::abs(r - 1) < 1e-14 || std::abs(r - 2) < 1e-14;
+      for (int k = 0; k < 2; ++k)  // the mean of the ends
+        EXPECT_DOUBLE_EQ(read->GetPointData()->GetArray("x")->GetComponent(cell->GetPointId(3 + i), k),
+                         (x(k, cell->GetPointId(i)) + x(k, cell->GetPointId((i + 1) % 3))) / 2);
+    }
+  }
+  EXPECT_EQ(on_arcs, quadratic);
+  EXPECT_EQ(quadratic, std::ranges::count_if(mesh.arc, [](Index a) { return a != none; }));
+  EXPECT_LT(read->GetNumberOfPoints(), corners + 3 * quadratic);
 }
 
 TEST(Vtk, UnstructuredGridReadsBack) {
