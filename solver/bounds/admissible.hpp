@@ -14,6 +14,8 @@ namespace kerf {
 /// Tractions of a triangle on its edges at the Gauss points, in the frames of the edges, outwards.
 using Tractions = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, max_skeleton / 2>;
 
+inline constexpr int strain_degree = 4;  // of the polynomials of eigenstrains that have a rest
+
 /// What the rest of an eigenstrain acts on in one triangle.
 struct StrainShare {
   double square = 0, stress = 0;  // the mean of |p - its projection onto P4|^2; the largest |p|
@@ -63,7 +65,8 @@ struct MovedField {
   double stress, force;     // the largest of p, and Share::force
 };
 /// At least what the rest R of an eigenstrain, its mean square `rest` and the error of its means, adds to the upper
-/// bound: |(C e, R)| + (C R, R)/2, or what is left when v takes up the trace of R [theory: B.28].
+/// bound: |(C e, R)| + (C R, R)/2, or in a straight triangle what is left when v takes up the trace of R [theory:
+/// B.28]. The mean is that over the triangle of the chords.
 double moved_by_eigenstrain(const Material& material, const Triangle& t, double rest, double error,
                             const MovedField& on);
 

@@ -199,8 +199,10 @@ const char* unavailable_on_arcs(const Model& m) {
   }
   const StrainData& strain = m.inner->data.strain;
   for (Index t = 0; strain.degree > 0 && t < static_cast<Index>(strain.coefficients.cols()); ++t)
-    if (!(strain.rest[t] == 0 && strain.coefficients.col(t).isZero(0)) && is_curved(triangle(m, t)))
-      return "no bounds of the energy: an eigenstrain that is not constant in curved triangles (mesh.curved)";
+    if (material_of(m.mesh, m.scene, t).c == 0 && !(strain.rest[t] == 0 && strain.coefficients.col(t).isZero(0)) &&
+        is_curved(triangle(m, t)))
+      return "no bounds of the energy: an eigenstrain that is not constant in curved triangles of a material without "
+             "compressibility (mesh.curved)";
   return nullptr;
 }
 
@@ -304,11 +306,21 @@ double moved_without_volume(double mu, const Triangle& t, double rest, const Mov
   return std::sqrt(2 * on.elastic * square) + 0.5 * square + on.force * gradient;
 }
 
+/// By how much the largest part of a curved cell is larger than the triangle of its chords.
+double largest_J(const Triangle& cell) {
+  constexpr int n = 8;
+  double J = 0;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; i + j <= n; ++j) J = std::max(J, cell_map(cell, {double(i) / n, double(j) / n}).J);
+  return J;
+}
+
 }  // namespace
 
 double moved_by_eigenstrain(const Material& material, const Triangle& t, double rest, double error,
                             const MovedField& on) {
   if (rest == 0 && error == 0) return 0;
+  if (is_curved(t)) rest *= largest_J(t);
   const double mu = material.mu, c = material.c;
   const bool plain = isotropic(material);
   if (plain && c == 0)
@@ -316,7 +328,7 @@ double moved_by_eigenstrain(const Material& material, const Triangle& t, double 
   // C e : e <= stiffness |e|^2
   const double stiffness = plain ? std::max(2 * mu, 1 / (2 * c)) : 2 * shear_moduli(material).largest,
                square = stiffness * area(t) * rest, moved = std::sqrt(2 * on.elastic * square) + 0.5 * square;
-  return (plain ? std::min(moved, moved_without_volume(mu, t, rest, on)) : moved) +
+  return (plain && !is_curved(t) ? std::min(moved, moved_without_volume(mu, t, rest, on)) : moved) +
          stiffness * area(t) * error * on.largest;
 }
 

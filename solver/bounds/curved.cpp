@@ -1,6 +1,7 @@
 #include "solver/bounds/curved.hpp"
 
 #include "solver/anisotropic.hpp"
+#include "solver/bounds/polynomial_data.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
@@ -64,6 +65,10 @@ struct Corrected {
   }
 };
 
+Mat2 free_at(const Eigen::Matrix4Xd& free, Eigen::Index q) {
+  return free.cols() == 0 ? Mat2(Mat2::Zero()) : Mat2(tensor(free.col(q)));
+}
+
 double strain_trace(const Material& m, const Mat2& s) {
   double trace = 2 * m.c * s.trace();
   if (!isotropic(m)) trace += orthotropic_strain(m, s(0, 0), s(1, 1), 0.5 * (s(0, 1) + s(1, 0))).head<2>().sum();
@@ -113,13 +118,16 @@ CurvedReference curved_reference(int n, int k) {
   r.slope_at_rule = differentiation(n + 1, r.rule.x);
   r.value_at_rule = interpolation(n + 1, r.rule.x);
   r.inverse = right_inverse(degree, r.rule);
+  r.to_strains = projection(strain_degree, r.rule);
+  r.of_strains = interpolation(strain_degree, r.rule.x);
   return r;
 }
 
 // s = S D'/J + curl beta with beta = D B/J, div B = J times the asymmetry: curl of what vanishes on the edges has
 // neither divergence nor normal trace there.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                              const Eigen::Matrix4Xd& stress, const Mat2& free, Share& share, bool keep) {
+                              const Eigen::Matrix4Xd& stress, const CurvedStrain& free, Share& share, bool keep,
+                              bool rest) {
   const Eigen::Matrix4Xd at_nodes = stress * r.at_nodes.transpose(), at_rule = stress * r.at_rule.transpose();
   Eigen::VectorXd asymmetry(r.nodes.cols());
   for (Eigen::Index q = 0; q < asymmetry.size(); ++q) {
@@ -128,6 +136,7 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
   }
   const Corrected by(r, cell, asymmetry);
   double energy = 0, other = 0;
+  Eigen::Matrix4Xd scaled(4, rest ? at_rule.cols() : 0);
   if (keep) {
     share.kept_stress.resize(4, at_rule.cols());
     share.kept_weight.resize(2, at_rule.cols());
@@ -138,12 +147,13 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
     Mat2 s = piola(at_rule.col(q), p.D) / p.J;
     s += (Mat2() << g(0, 1), -g(0, 0), g(1, 1), -g(1, 0)).finished();
     share.asymmetry = std::max(share.asymmetry, std::abs(s(0, 1) - s(1, 0)));
-    share.stress = std::max(share.stress, s.cwiseAbs().maxCoeff());
+    share.stress = std::max(share.stress, (rest ? std::max(1.0, p.J) : 1) * s.cwiseAbs().maxCoeff());
+    if (rest) scaled.col(q) << p.J * s(0, 0), p.J * s(0, 1), p.J * s(1, 0), p.J * s(1, 1);
     if (keep) {
       share.kept_stress.col(q) << s(0, 0), s(0, 1), s(1, 0), s(1, 1);
       share.kept_weight.col(q) << area(cell) * p.J * r.rule.w[q], area(cell) * p.J * r.coarse[q];
     }
-    const double work = p.J * (stress_work(material, s) + 2 * free.cwiseProduct(s).sum());
+    const double work = p.J * (stress_work(material, s) + 2 * free_at(free.at_rule, q).cwiseProduct(s).sum());
     energy += r.rule.w[q] * work;
     other += r.coarse[q] * work;
   }
@@ -153,10 +163,14 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
   share.size += std::abs(energy);
   share.below += doubt_of_rules * std::abs(energy - other);
   share.rules += doubt_of_rules * std::abs(energy - other);
+  if (rest) {
+    const Eigen::Matrix4Xd unseen = scaled - scaled * r.to_strains.transpose() * r.of_strains.transpose();
+    share.square = unseen.colwise().squaredNorm().dot(r.rule.w);
+  }
 }
 
 void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                        const Eigen::Matrix4Xd& stress, const Mat2& free, const Points& load, const Points& v,
+                        const Eigen::Matrix4Xd& stress, const CurvedStrain& free, const Points& load, const Points& v,
                         Share& share, bool keep) {
   const Mat2 inverse = jacobian(cell.x).inverse();
   const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
@@ -170,7 +184,7 @@ void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Ma
   for (Eigen::Index q = 0; q < wanted.size(); ++q) {
     const CellMap map = cell_map(cell, r.nodes.col(q));
     wanted[q] = strain_trace(material, piola(at_nodes.col(q), map.D)) +
-                map.J * (free - slopes(r.slope, q) * map.D.inverse()).trace();
+                map.J * (free_at(free.at_nodes, q) - slopes(r.slope, q) * map.D.inverse()).trace();
   }
   const Corrected by(r, cell, wanted);
   // J(v + alpha w) = e + alpha b + alpha^2 a, by both rules; the least one, less the work of the load.
@@ -185,7 +199,8 @@ void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Ma
   }
   for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
     const Place p(cell, r.rule.x.col(q));
-    const Mat2 g = slopes(r.slope_at_rule, q) * p.inverse - free, h = p.gradient(by.at(q), by.slope(q));
+    const Mat2 g = slopes(r.slope_at_rule, q) * p.inverse - free_at(free.at_rule, q),
+               h = p.gradient(by.at(q), by.slope(q));
     added_value.col(q) = p.D * by.at(q) / p.J;
     const double own = strain_work(material, C, g, g), mixed = strain_work(material, C, g, h),
                  added = strain_work(material, C, h, h);

@@ -18,20 +18,29 @@ struct CurvedReference {
   std::array<Eigen::MatrixXd, 2> slope, slope_at_rule;  // from lattice(n + 1)
   Eigen::MatrixXd value_at_rule;
   RightInverse inverse;
+  Eigen::MatrixXd to_strains, of_strains;  // from the rule to lattice(strain_degree), and back
 };
 CurvedReference curved_reference(int n, int k);
 
 /// How many times the difference between the two rules stands for the error of the better one.
 inline constexpr double doubt_of_rules = 2;
 
-/// `stress`: on lattice(n) that of the chords' triangle, in equilibrium with the loads. `free`: the eigenstrain, the
-/// same everywhere. Adds minus the complementary energy of a symmetric one.
+/// The eigenstrain as a polynomial of the triangle of the chords, at the nodes and at the points of the rule.
+struct CurvedStrain {
+  Eigen::Matrix4Xd at_nodes, at_rule;
+};
+
+/// `stress`: on lattice(n) that of the chords' triangle, in equilibrium with the loads. Adds minus the complementary
+/// energy of a symmetric one. With `rest`, where the polynomial leaves something of the eigenstrain,
+/// StrainShare::square and stress are those of J p: of what the work of that rest is the integral over the chords'
+/// triangle.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                              const Eigen::Matrix4Xd& stress, const Mat2& free, Share& share, bool keep);
+                              const Eigen::Matrix4Xd& stress, const CurvedStrain& free, Share& share, bool keep,
+                              bool rest);
 /// The elastic energy of the displacement v (on lattice(n + 1)) with its divergence moved towards that of `stress`,
 /// less the work of `load`: J f at the points of the rule, or no columns. Sets Share::elastic and Share::upper.
 void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
-                        const Eigen::Matrix4Xd& stress, const Mat2& free, const Points& load, const Points& v,
+                        const Eigen::Matrix4Xd& stress, const CurvedStrain& free, const Points& load, const Points& v,
                         Share& share, bool keep);
 
 /// What the body has beyond the polynomials that its edges are: the area between an arc and its polynomial times the

@@ -88,7 +88,12 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
 
   add_loads_unseen(r, t, edges, stress);
   if (is_curved(cell)) {
-    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, constant_strain(t), share, keep);
+    const bool rest = leaves_strain(t);
+    add_complementary_energy(*r.curved, cell, material_of(m.mesh, m.scene, t), stress, curved_strain(*r.curved, t),
+                             share, keep, rest);
+    if (rest)
+      share.below +=
+          area(shape) * (std::sqrt(strain().rest[column(t)] * share.square) + strain().error[column(t)] * share.stress);
     return;
   }
 
@@ -181,9 +186,13 @@ Eigen::Matrix4Xd Bounding::eigenstrain(const TriangleReference& r, Index t) cons
   return strain().empty() ? Eigen::Matrix4Xd() : strain_at(strain(), column(t), r.rule.x);
 }
 
-Mat2 Bounding::constant_strain(Index t) const {
-  return strain().empty() ? Mat2(Mat2::Zero())
-                          : Mat2(tensor(strain_at(strain(), column(t), Points::Zero(2, 1)).col(0)));
+CurvedStrain Bounding::curved_strain(const CurvedReference& r, Index t) const {
+  if (strain().empty()) return {};
+  return {strain_at(strain(), column(t), r.nodes), strain_at(strain(), column(t), r.rule.x)};
+}
+
+bool Bounding::leaves_strain(Index t) const {
+  return !strain().empty() && (strain().rest[column(t)] > 0 || strain().error[column(t)] > 0);
 }
 
 void Bounding::work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
@@ -273,7 +282,11 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
   }
   if (is_curved(cell)) {
     const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
-    add_elastic_energy(*r.curved, cell, material, stress, constant_strain(t), load_on(*r.curved, t), v, share, keep);
+    add_elastic_energy(*r.curved, cell, material, stress, curved_strain(*r.curved, t), load_on(*r.curved, t), v, share,
+                       keep);
+    if (leaves_strain(t))
+      share.above += moved_by_eigenstrain(material, cell, strain().rest[column(t)], strain().error[column(t)],
+                                          {share.elastic, share.gradient, share.stress, share.force});
     for (const Index i : edges) {
       const double work = work_on_edge(i);
       share.upper -= work;

@@ -10,8 +10,6 @@
 
 namespace kerf {
 
-inline constexpr int strain_degree = 4;  // of the polynomials of eigenstrains that have a rest
-
 /// Everything that does not depend on the triangle. Stresses, divergences and forces are polynomials of degree n by
 /// their values on lattice(n), displacements of degree n + 1 by theirs on lattice(n + 1).
 struct TriangleReference {
@@ -81,8 +79,9 @@ struct Bounding {
                         Eigen::Matrix4Xd& stress) const;
   /// At the points of the rule; no columns without one.
   Eigen::Matrix4Xd eigenstrain(const TriangleReference& r, Index t) const;
-  /// That of a curved triangle.
-  Mat2 constant_strain(Index t) const;
+  /// That of a curved triangle, and whether its polynomial leaves something of it.
+  CurvedStrain curved_strain(const CurvedReference& r, Index t) const;
+  bool leaves_strain(Index t) const;
   /// <u_D, t n> on the prescribed components, less the work of tractions that act there.
   void work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const;
   Tractions tractions(const TriangleReference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const;

@@ -183,6 +183,27 @@ TEST_P(CurvedBounds, HoldTheSquareOfTheStressOfARing) {
   EXPECT_LT(width(b), (e.stress == 1 ? 0.5 : e.stress == 2 ? 0.1 : 0.02) * exact);
 }
 
+// A disc of radius 1 whose material wants to grow by r^2 in all directions:
+// s_r = E (1 - r^2)/4, s_t = E (1 - 3 r^2)/4, the energy pi E/24 with 1/E = 1/(4 mu) + c.
+TEST(CurvedBound, HoldsTheEnergyOfAnEigenstrainThatChanges) {
+  Scene scene{.material = steel};
+  scene.eigenstrain = {{.normal = [](const Vec2& x) -> Vec2 { return Vec2::Constant(x.squaredNorm()); },
+                        .shear = [](const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+  const double exact = pi / 24 / (0.25 / steel.mu + steel.c);
+  const Shape disc{circle("outline", {0, 0}, 1, 0), {}, {}, {"rim"}, {}};
+  for (const int degree : {1, 2}) {
+    std::array<double, 2> gap{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Solved s(disc, i == 0 ? 0.2 : 0.1, bdms(degree), scene);
+      const EnergyBounds b = energy_bounds(s.model, s.state);
+      EXPECT_LE(b.lower, exact) << degree << " " << b.note;
+      EXPECT_GE(b.upper, exact) << degree << " " << b.note;
+      gap[i] = b.upper - b.lower;
+    }
+    EXPECT_GT(std::log2(gap[0] / gap[1]), 2 * degree) << gap[0] << " " << gap[1];
+  }
+}
+
 // Intervals of arcs hold the truth and are as narrow as those of a polygon about a value of its own.
 TEST(CurvedBound, IsFarNarrowerThanWhatAPolygonIsAway) {
   const ExactField f = exact::kirsch(steel, pull, 0.7);
