@@ -284,7 +284,7 @@ CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Jo
   for (const TipIntensity& tip : found.tips)
     r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
   add_pressures(in_parts.zones, r.cracks);
-  for (const std::string& note : notes_on_faces(r.cracks, c.scene)) s.notes.push_back(note);
+  for (const std::string& note : notes_on_faces(r.cracks)) s.notes.push_back(note);
   ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
   for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
   for (const std::string& note : notes_on_contact(r.cracks, contact)) s.notes.push_back(note);

@@ -10,7 +10,6 @@
 #include "solver/resultants.hpp"
 #include "solver/saddle_point.hpp"
 #include "solver/system.hpp"
-#include "topo/orthotropic.hpp"
 
 #include <fmt/core.h>
 
@@ -66,7 +65,7 @@ bool has_stress(const Model& model, const State& state) {
   return stress.size() > 0 && stress.cwiseAbs().maxCoeff() > 0;
 }
 
-std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, const Scene& scene) {
+std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) {
   std::vector<std::string> notes;
   for (const CrackResult& crack : cracks)
     if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
@@ -74,12 +73,6 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, 
           fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
                       "contact = \"unilateral\" prevents it",
                       crack.name, crack.penetration));
-  const auto slides = std::ranges::find_if(scene.laws, [](const CrackLaw& law) { return law.friction > 0; });
-  if (has_orthotropic(scene) && slides != scene.laws.end())
-    notes.push_back(fmt::format(
-        "no K at the tips of crack \"{}\" where they lie in an orthotropic material: sliding against friction changes "
-        "the pressure there, and the stress is not that of 1/sqrt(r)",
-        cracks[static_cast<std::size_t>(slides - scene.laws.begin())].name));
   return notes;
 }
 
@@ -216,7 +209,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   add_resultants(model, reactions(model, state), shape, s.state);
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);
-  for (const std::string& note : notes_on_faces(s.cracks, model.scene)) s.state.notes.push_back(note);
+  for (const std::string& note : notes_on_faces(s.cracks)) s.state.notes.push_back(note);
   if (s.state.of_polygon && !c.why_chords.empty())
     s.state.notes.push_back(fmt::format(
         "curved sides are drawn by chords, because {}: the largest stress on them may be 2 to 8 % too large there",

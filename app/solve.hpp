@@ -31,8 +31,8 @@ void require_energy(double energy, bool has_stress);
 /// Whether a stress in it is not 0.
 bool has_stress(const Model& model, const State& state);
 
-/// Open faces that penetrate, and tips without K because of friction.
-std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks, const Scene& scene);
+/// Open faces that penetrate.
+std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks);
 
 /// Whether chords stand for curved sides, so that what is bounded is of the polygon.
 bool is_of_polygon(const Shape& shape, const Mesh& mesh);

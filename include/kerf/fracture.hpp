@@ -10,7 +10,7 @@ namespace kerf {
 /// s_xy = K_II/sqrt(2 pi r) in the frame whose x axis extends the crack and whose y axis is x turned by +90 degrees.
 /// T = s_xx - s_yy of the constant terms there, in stress; at an open tip s_yy has none, or minus the pressure in the
 /// crack. G, J in stress x length. All but crack, at_start and at are NaN, radius 0, where no domain fits (see
-/// crack_tips), and with Coulomb's friction in an orthotropic material. T is NaN at a closed tip in such a material.
+/// crack_tips). T is NaN at a closed tip in an orthotropic material.
 struct TipIntensity {
   Index crack = 0;
   bool at_start = false;  // of the crack's path
@@ -28,8 +28,10 @@ struct TipIntensity {
 /// Tips of all cracks, in the order of the cracks, start before end; ends on the boundary, on a hole or on another
 /// crack are no tips. Right on faces in contact: the auxiliary opening works against the contact pressure and the
 /// auxiliary slip against friction (face terms). Under unilateral contact K_I >= 0, and exactly 0 where contact closes
-/// the tip; in orthotropic materials that holds for the opening L^-1 K instead [theory: O.12]. Contact that begins
-/// within the first edge from a tip that is open at the very end is not resolved.
+/// the tip; in orthotropic materials that holds for the opening L^-1 K instead [theory: O.12]. A gap before loading
+/// lowers that bound [theory: F.9]: where it keeps the faces apart up to the tip, K_I may have any sign. Contact that
+/// begins within the first edge from a tip that is open at the very end is not resolved: behind a gap it is in
+/// spread_K_I.
 ///
 /// Three rings with outer radii 1, 4/5 and 3/5 of R; K, T, G, J and radius are those of the middle one. R is 9/10 of
 /// the distance to the nearest boundary, hole, other crack, kink or other end of the same crack, and on a curved crack

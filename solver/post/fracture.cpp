@@ -294,8 +294,24 @@ struct Beside {
   Eigen::Vector4d at_tip = Eigen::Vector4d::Zero();  // the eigenstrain there
 };
 
-/// Points of the profile per edge, from the tip.
-std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
+/// lim g/sqrt(r) of the gap g at a tip, r the distance from it: as far as faces may close there [theory: F.9]. 0 where
+/// they touch before loading or overlap, infinite where they are apart up to the tip.
+double room_to_close(const CrackTip& tip, const CrackLaw& law) {
+  constexpr double near = 1e-6;
+  if (!has_gap(law)) return 0;
+  const auto reduced = [&](double t) {
+    const CurvePoint c = curve_point(tip, 0, t);
+    const Vec2 along = tip.frame * c.slope.normalized();
+    return law.gap(tip.at + tip.frame * c.at, Vec2(-along.y(), along.x())).x() / std::sqrt(c.at.norm());
+  };
+  constexpr double grows = 1.1;  // g falls slower than r^0.43
+  const double at = reduced(near), nearer = reduced(near / 4);
+  if (nearer > grows * at && nearer > 0) return infinity;
+  return std::max(0.0, 2 * nearer - at);  // c of c sqrt(r) + d r
+}
+
+/// Points of the profile per edge, from the tip. `apart`: room_to_close is infinite.
+std::vector<Face> faces_beside(const Model& model, const Beside& crack, bool apart) {
   const CrackTip& tip = crack.tip;
   const std::span<const CrackPoint> profile = crack.profile;
   const CrackLaw& law = model.scene.laws[tip.crack];
@@ -326,9 +342,9 @@ std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
   // error of some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no
   // pressure there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the
   // positive part. Friction on that edge is taken from the next one. Where faces overlap before loading they press on
-  // each other up to an open tip.
+  // each other up to an open tip; where a gap keeps them apart there nothing presses, or what does is on the mesh.
   const bool wedged = std::ranges::any_of(faces[0].points, [](const CrackPoint& p) { return p.gap < 0; });
-  if (law.kind == CrackLaw::Kind::Unilateral && !wedged)
+  if (law.kind == CrackLaw::Kind::Unilateral && !wedged && !apart)
     for (std::size_t k = 0; k < count; ++k) {
       faces[0].points[k].sigma_n = 0;
       if (faces.size() > 1) faces[0].points[k].sigma_t = faces[1].points[0].sigma_t;
@@ -529,25 +545,33 @@ struct Factors {
   Row T, G;
 };
 
-/// `traction`: s_12, s_22 that the faces bear at the tip.
-Factors factors(const Disc& disc, const Integrals& I, const Vec2& traction, bool contact) {
+/// `traction`: s_12, s_22 that the faces bear at the tip; `least`: the opening (L^-1 K)_n that contact asks for.
+Factors factors(const Disc& disc, const Integrals& I, const Vec2& traction, double least) {
   const double modulus = plane_modulus(disc.material);
   Factors f{modulus / 2 * I.topRows<2>(), (modulus * I.row(2)).array() + disc.smooth.t_stress(), {}};
   if (isotropic(disc.material)) {
-    if (contact) f.K.row(0) = f.K.row(0).cwiseMax(0);
+    f.K.row(0) = f.K.row(0).cwiseMax(modulus / 2 * least);
     f.G = f.K.colwise().squaredNorm() / modulus;
     return f;
   }
   const Mat2 smooth = disc.smooth.at(Vec2::Zero()).stress;
   for (int k = 0; k < rings; ++k) {
-    f.K.col(k) = orthotropic_factors(disc.material, I.col(k).head<2>(), contact);
+    f.K.col(k) = orthotropic_factors(disc.material, I.col(k).head<2>(), least);
     f.G[k] = orthotropic_release(disc.material, f.K.col(k));
-    const bool closed = contact && !(I(0, k) > 0);  // then the pressure at the tip is not known
+    const bool closed = !(I(0, k) > least);  // then the pressure at the tip is not known
     f.T[k] = closed ? nan
                     : disc.smooth.t_stress() +
                           orthotropic_t_stress(disc.material, I(2, k), traction - Vec2(smooth(0, 1), smooth(1, 1)));
   }
   return f;
+}
+
+/// What the pressure of contact on the edge at a tip whose faces are apart does to K_I: where on the edge it ends is
+/// not known, so that all of it may be false.
+double unresolved_contact(const CrackTip& tip, const Face& first) {
+  double largest = 0;
+  for (const CrackPoint& p : first.points) largest = std::max(largest, -p.sigma_n);
+  return 2 * std::sqrt(2 / pi * tip.vertices[1].norm()) * largest;
 }
 
 /// Of a tip without values.
@@ -571,13 +595,12 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const bool all_over = model.scene.body || disc.eigenstrain != 0;
   const Cover c = cover(model, tip.at, all_over ? 0 : disc.ring.back().inner, radius, sums);
   const CrackLaw& law = model.scene.laws[tip.crack];
-  // Where sliding changes the pressure, friction changes the power of the singularity.
-  const bool other_power = !isotropic(disc.material) && law.friction > 0;
   const bool follows_gap = tip.curved && has_gap(law);  // the work of contact on it is known on straight faces
-  if (c.elements < fewest_elements || other_power || follows_gap) return unknown(tip);
+  if (c.elements < fewest_elements || follows_gap) return unknown(tip);
   disc.rotation = mean_rotation(model, state, disc, c.triangles, sums);
   disc.smooth = smooth_part(model, state, disc, c.triangles, profile, sums);
-  const std::vector<Face> behind = faces_beside(model, crack);
+  const double to_close = room_to_close(tip, law);
+  const std::vector<Face> behind = faces_beside(model, crack, std::isinf(to_close));
   Integrals I = over_ring(model, state, disc, c.triangles, sums) + work_of_tractions(disc, behind);
   if (tip.curved)
     I += over_curved_faces(model, state, disc, behind);
@@ -586,7 +609,8 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const double modulus = plane_modulus(disc.material);
   const Vec2 at_tip(along_face(behind[0], 0, &CrackPoint::sigma_t),
                     along_face(behind[0], 0, &CrackPoint::sigma_n) - fluid_pressure(behind[0], 0));
-  const auto [K, T, G] = factors(disc, I, at_tip, law.kind == CrackLaw::Kind::Unilateral);
+  const bool contact = law.kind == CrackLaw::Kind::Unilateral;
+  const auto [K, T, G] = factors(disc, I, at_tip, contact ? -std::sqrt(pi / 8) * to_close : -infinity);
   result.K_I = K(0, middle);
   result.K_II = K(1, middle);
   result.T = T[middle];
@@ -597,6 +621,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const double size = std::max(K.col(middle).norm(), stress * std::sqrt(pi * result.radius));
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
+  if (std::isinf(to_close)) result.spread_K_I += relative(unresolved_contact(tip, behind[0]), size);
   if (has_friction(law) && law.friction > 0) {
     // The rings agree whatever false friction does to all of them.
     const double of_energy = std::abs(result.J - result.G) * modulus / 2;

@@ -55,11 +55,11 @@ std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& 
           state_from_stress(m, s_II, turn * (at_first * G + at_second * H).real()), under_force(m, e, r)};
 }
 
-Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, bool contact) {
+Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, double least) {
   const Mat2 inverse_L = surface(m).inverse_L;
   const Vec2 K = inverse_L.inverse() * Vec2(integrals[1], integrals[0]);  // K_II, K_I
-  const double sliding = -inverse_L(1, 0) / inverse_L(1, 1) * K[0];
-  return {contact ? std::max(K[1], sliding) : K[1], K[0]};
+  const double sliding = (least - inverse_L(1, 0) * K[0]) / inverse_L(1, 1);
+  return {std::max(K[1], sliding), K[0]};
 }
 
 double orthotropic_release(const Material& m, const Vec2& K) {

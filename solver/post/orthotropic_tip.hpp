@@ -13,9 +13,9 @@ namespace kerf {
 /// [theory: O.9, O.10, O.11].
 std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& x, double angle);
 
-/// K_I, K_II from the integrals with the first two fields: K = L I. A tip that contact may close has no negative
-/// opening (L^-1 K)_n; where it closes, K_I is what slides with K_II [theory: O.12].
-Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, bool contact);
+/// K_I, K_II from the integrals with the first two fields: K = L I. At a tip that contact may close the opening
+/// (L^-1 K)_n is not below `least`, 0 without a gap; where it closes, K_I is what slides with K_II [theory: O.12].
+Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, double least);
 
 /// K . L^-1 K/2 of K_I, K_II.
 double orthotropic_release(const Material& m, const Vec2& K);

@@ -1,4 +1,5 @@
-// Faces that are apart, or overlap, before loading: patches, Hertz's pressure, and what the gap does to the energy.
+// Faces that are apart, or overlap, before loading: patches, Hertz's pressure, tips, and what the gap does to the
+// energy.
 
 #include "kerf/analysis.hpp"
 #include "kerf/bounds.hpp"
@@ -234,6 +235,74 @@ TEST(Gap, ThatTheMeshDoesNotFollowIsNamed) {
   EXPECT_TRUE(unseen(bump(0.3), 0.1).empty());
   EXPECT_TRUE(unseen(parabola, 0.5).empty());
   EXPECT_TRUE(unseen(uniform(-0.01), 0.5).empty());
+}
+
+/// A plate pressed by 1 far away, with a slit on |x| < 1 that is apart by g and closes over |x| < c: s_yy + i s = Re Z
+/// on the line, Z = -((z^2 - c^2)/(z^2 - 1))^1/2. c = 0: it stays open.
+struct PressedSlit {
+  double c;
+  Mat2 stress(const Vec2& x) const {
+    const Complex z(x.x(), x.y()), below = std::sqrt(z - 1.0) * std::sqrt(z + 1.0);
+    const Complex above = c == 0 ? z : std::sqrt(z - c) * std::sqrt(z + c);
+    const Complex Z = -above / below, slope = Z * (z / (z * z - c * c) - z / (z * z - 1.0));
+    const double shear = -x.y() * slope.real();
+    return (Mat2() << Z.real() - x.y() * slope.imag(), shear, shear, Z.real() + x.y() * slope.imag()).finished();
+  }
+  /// (4/E') int_c^1 ((x^2 - c^2)/(1 - x^2))^1/2 dx, x^2 = c^2 cos^2 + sin^2.
+  double gap(double modulus) const {
+    constexpr int n = 200;
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+      const double t = (i + 0.5) * pi / 2 / n, s = std::sin(t), x = std::hypot(c * std::cos(t), s);
+      sum += (1 - c * c) * s * s / x * pi / 2 / n;
+    }
+    return 4 / modulus * sum;
+  }
+};
+
+std::vector<TipIntensity> tips_of_slit(const PressedSlit& exact, const Material& m, BoundaryField gap) {
+  Shape shape{.outline = polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, bottom),
+              .cracks = {{"c", {{-1, 0}, {1, 0}}}},
+              .labels = {"outline"}};
+  Scene s{.material = m, .laws = {{.gap = std::move(gap)}}};
+  s.tractions = {{bottom, [exact](const Vec2& x, const Vec2& n) -> Vec2 { return exact.stress(x) * n; }}};
+  const Solved solution = solved(shape, {.size = 0.4, .crack_tip_size = 0.02}, bdms(2), s);
+  return crack_tips(solution.model, solution.state);
+}
+
+// Faces that a gap keeps apart at the tips are free to come nearer there, whether they meet elsewhere or not.
+TEST(Gap, LetsTipsCloseAsFarAsItReaches) {
+  const Material m = plane_strain(100, 0.3);
+  const double modulus = plane_modulus(m);
+  for (const double c : {0.0, 0.3, 0.5, 0.8}) {
+    SCOPED_TRACE(c);
+    const PressedSlit exact{c};
+    const double K = -std::sqrt(pi * (1 - c * c)), gap = c == 0 ? 1 : exact.gap(modulus);
+    for (const TipIntensity& tip : tips_of_slit(exact, m, uniform(gap))) {
+      EXPECT_NEAR(tip.K_I, K, 4e-3 * std::sqrt(pi));
+      EXPECT_NEAR(tip.G, K * K / modulus, 8e-3 * pi / modulus);
+      EXPECT_NEAR(tip.K_II, 0, 1e-3);
+      EXPECT_NEAR(tip.J, tip.G, 2e-2 * pi / modulus);
+    }
+  }
+}
+
+// Gaps that end at the tips: an ellipse is closed all over at once, by (E'/4) times its half height, and bears what is
+// left of the pressure; one that ends in an angle lets nothing of K_I.
+TEST(Gap, ThatEndsAtTheTipsBoundsTheClosure) {
+  const Material m = plane_strain(100, 0.3);
+  const double modulus = plane_modulus(m);
+  const auto ellipse = [&](double share) -> BoundaryField {
+    return [=](const Vec2& x, const Vec2&) {
+      return Vec2(share * 4 / modulus * std::sqrt(std::max(0.0, 1 - x.x() * x.x())), 0);
+    };
+  };
+  const PressedSlit open{0};
+  for (const double share : {0.25, 0.6, 1.5})
+    for (const TipIntensity& tip : tips_of_slit(open, m, ellipse(share)))
+      EXPECT_NEAR(tip.K_I, -std::min(share, 1.0) * std::sqrt(pi), 4e-3 * std::sqrt(pi)) << share;
+  const BoundaryField roof = [&](const Vec2& x, const Vec2&) { return Vec2(1 / modulus * (1 - std::abs(x.x())), 0); };
+  for (const TipIntensity& tip : tips_of_slit(open, m, roof)) EXPECT_NEAR(tip.K_I, 0, 1e-6);
 }
 
 TEST(Gap, InterferenceIsAWedge) {

@@ -271,6 +271,40 @@ TEST(Orthotropic, ClosedTipSlides) {
   }
 }
 
+// Coulomb's friction leaves the power 1/2 in one material: the open plate under S, N with no opening, plus a uniform
+// state that presses the faces with p and shears them with f p. The spread says how far the false pressure at the tip
+// carries K.
+TEST(Orthotropic, ClosedTipSlidesAgainstFriction) {
+  constexpr double f = 0.3, p = 1.2;
+  for (const double angle : {0.6, -0.9})
+    for (const double slip : {1.0, -1.0}) {
+      SCOPED_TRACE(fmt::format("{} {}", angle, slip));
+      Orthotropy o = wood;
+      o.angle = angle;
+      const Material m = orthotropic(o);
+      const Mat2 inverse_L = surface(m).inverse_L;
+      CentralCrack truth(o);
+      truth.shear = 0.4 * slip;
+      truth.normal = -inverse_L(1, 0) / inverse_L(1, 1) * truth.shear;
+      const Mat2 pressed = (Mat2() << 0, slip * f * p, slip * f * p, -p).finished();
+      Scene s{.material = m, .laws = {{.friction = f}}};
+      for (Index label = 0; label < 4; ++label)
+        s.tractions.push_back({label, [truth, pressed](const Vec2& x, const Vec2& n) -> Vec2 {
+                                 return (truth.stress(x) + pressed) * n;
+                               }});
+      const Vec2 K = std::sqrt(pi) * Vec2(truth.normal, truth.shear);
+      const Model model = prepare(exact::crack_mesh(32), bdms(2), s, 2);
+      const State state = solve(model);
+      for (const TipIntensity& tip : crack_tips(model, state)) {
+        EXPECT_NEAR(inverse_L(1, 0) * tip.K_II + inverse_L(1, 1) * tip.K_I, 0, 1e-10);
+        EXPECT_NEAR(tip.K_I, K[0], 0.03 * K.norm());
+        EXPECT_NEAR(tip.K_II, K[1], 0.03 * K.norm());
+        EXPECT_LT((Vec2(tip.K_I, tip.K_II) - K).norm(), tip.spread * K.norm());
+        EXPECT_LT(tip.spread, 0.1);
+      }
+    }
+}
+
 // Of a body without a closed form: the bounds hold the energy of a far better solution, and close in.
 TEST(Orthotropic, BoundsHoldTheEnergy) {
   for (const Orthotropy& o : {wood, Orthotropy{.young = {50, 1}, .poisson = 2, .shear = 0.4, .angle = -0.3}}) {
