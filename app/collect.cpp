@@ -83,8 +83,32 @@ std::vector<CrackResult::Transition> transitions(const std::vector<CrackPoint>& 
 
 }  // namespace
 
-CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& profile,
-                         const std::vector<double>& slip) {
+namespace {
+
+/// Where false tension beside a closed tip has opened no more than half an edge, it is closed there.
+std::vector<CrackPoint> settled(std::vector<CrackPoint> profile, const CrackEnds& ends) {
+  const std::size_t n = profile.size();
+  for (const bool start : {true, false}) {
+    if (!ends.tips[start ? 0 : 1] || n <= ends.per_edge) continue;
+    const auto from_tip = [&](std::size_t i) -> CrackPoint& { return profile[start ? i : n - 1 - i]; };
+    const auto is_open = [](const CrackPoint& p) { return p.status == CrackPoint::Status::Open && !(p.gap > 0); };
+    double edge = 0, open = 0;
+    for (std::size_t i = 0; i < ends.per_edge; ++i) edge += from_tip(i).length;
+    std::size_t count = 0;
+    while (count < ends.per_edge && is_open(from_tip(count))) open += from_tip(count++).length;
+    constexpr double half = 0.5 + 1e-9;
+    if (open > half * edge || from_tip(count).status != CrackPoint::Status::Closed) continue;
+    for (std::size_t i = 0; i < count; ++i) from_tip(i).status = CrackPoint::Status::Closed;
+  }
+  return profile;
+}
+
+}  // namespace
+
+CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& of,
+                         const std::vector<double>& slip, const CrackEnds& ends) {
+  const bool touches = law.kind == CrackLaw::Kind::Unilateral;
+  const std::vector<CrackPoint> profile = touches ? settled(of, ends) : of;
   CrackResult r;
   r.name = name;
   double most = 0;  // of the fluid
@@ -92,7 +116,7 @@ CrackResult crack_result(const std::string& name, const CrackLaw& law, const std
     const bool closed = p.status == CrackPoint::Status::Closed;
     r.length += p.length;
     (closed ? r.closed_length : p.status == CrackPoint::Status::Open ? r.open_length : r.biactive_length) += p.length;
-    r.max_opening = std::max(r.max_opening, p.distance());
+    if (!closed) r.max_opening = std::max(r.max_opening, p.distance());
     if (p.status == CrackPoint::Status::Open) r.penetration = std::max(r.penetration, -p.distance());
     r.max_pressure = std::max(r.max_pressure, p.contact_pressure());
     if (std::abs(p.fluid_pressure) > std::abs(most)) most = p.fluid_pressure;
@@ -118,10 +142,12 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
   std::vector<CrackResult> results;
   std::vector<TipIntensity> tips;
   if (with_tips) tips = crack_tips(model, state);
+  const std::vector<std::array<bool, 2>> inside = ends_inside(model.mesh);
   for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
     const CrackLaw& law = model.scene.laws[c];
     CrackResult r = crack_result(shape.cracks[c].name, law, crack_profile(model, state, c),
-                                 has_friction(law) ? slip_profile(model, state, c) : std::vector<double>{});
+                                 has_friction(law) ? slip_profile(model, state, c) : std::vector<double>{},
+                                 {inside[c], static_cast<std::size_t>(model.inner->skeleton.per_edge) / 2});
     for (const TipIntensity& t : tips)
       if (t.crack == c) r.tips.push_back(tip_result(t));
     results.push_back(std::move(r));

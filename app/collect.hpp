@@ -10,6 +10,8 @@
 #include "kerf/vtk.hpp"
 #include "solver/ranks.hpp"
 
+#include <array>
+
 namespace kerf {
 
 /// Everything that plots need, computed once.
@@ -28,9 +30,15 @@ SolverResult solver_result(const PartedEffort& effort);
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
 void add_energy_bounds(const EnergyBounds& bounds, StateResult& state);
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
-/// Without tips. `slip`: per point what it has slid, with friction; else empty.
-CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& profile,
-                         const std::vector<double>& slip);
+/// Which ends of a crack are tips, and how many points its profile has per edge.
+struct CrackEnds {
+  std::array<bool, 2> tips;
+  std::size_t per_edge;
+};
+/// Without tips. `slip`: per point what it has slid, with friction; else empty. A crack that is closed but for at most
+/// half the edge at a tip is closed there, too: the discrete pressure is false on that edge [theory: F.8].
+CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& of,
+                         const std::vector<double>& slip, const CrackEnds& ends);
 TipResult tip_result(const TipIntensity& tip);
 /// `tips`: with K, G and T at the tips.
 std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool tips = true);

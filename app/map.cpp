@@ -119,7 +119,7 @@ Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, c
   const SingularZones zones = singular_zones(*analysis.model, extent(shape));
   Mapped map = make_map(task, analysis, data, zones);
   map.result = map_result(task, analysis, map.full, data, map.left_out_corner);
-  if (is_everywhere(map.full)) map.result.excluded_radius = zones.radius;
+  if (is_everywhere(map.full)) map.result.excluded_radius = zones.largest();
   return map;
 }
 

@@ -121,7 +121,7 @@ PartTask unpacked(std::string_view bytes) {
   task.copy = from.get<bool>();
   task.map = from.get<bool>();
   task.zones.points = points_from(from);
-  task.zones.radius = from.get<double>();
+  task.zones.radius = from.all<double>();
   task.precision = from.get<Precision>();
   task.piece = from.all<Index>();
   task.contact.resize(from.get<std::size_t>());

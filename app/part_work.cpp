@@ -179,7 +179,7 @@ Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData
   const auto [least, most] = extrema_of_parts(peers, own, map.full.at_corners, map.left_out_corner);
   r.min = least;
   r.max = most;
-  r.excluded_radius = task.zones.radius;
+  r.excluded_radius = task.zones.largest();
   r.radius = c.map_request.radius;
   r.masked_share = sum(peers, masked) / found.area;
   constexpr double rounding = 1e-9;

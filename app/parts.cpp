@@ -17,6 +17,7 @@
 #include "solver/adapting.hpp"
 #include "solver/error_bars.hpp"
 #include "solver/recovery.hpp"
+#include "solver/stress.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
 #include "topo/analysis.hpp"
@@ -279,11 +280,14 @@ CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Jo
   if (found.energy) add_energy_bounds(*found.energy, s);
   add_resultants(coarse, found.reactions, c.shape, s);
   r.solver = solver_result(found.effort);
+  const std::vector<std::array<bool, 2>> tips = ends_inside(coarse.mesh);
+  const std::size_t per_edge = static_cast<std::size_t>(coarse.inner->skeleton.per_edge) / 2;
   for (std::size_t k = 0; k < found.profiles.size(); ++k)
-    r.cracks.push_back(crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k]));
+    r.cracks.push_back(
+        crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k], {tips[k], per_edge}));
   for (const TipIntensity& tip : found.tips)
     r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
-  add_pressures(in_parts.zones, r.cracks);
+  add_pressures({tips, per_edge, in_parts.zones.points, extent(c.shape)}, r.cracks);
   for (const std::string& note : notes_on_faces(r.cracks)) s.notes.push_back(note);
   ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
   for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));

@@ -36,14 +36,36 @@ Eigen::VectorXd principal_strains(const Model& model, const PlotData& data) {
 }
 
 bool SingularZones::hold(const Vec2& x) const {
-  return std::any_of(points.begin(), points.end(),
-                     [&](const Vec2& p) { return (x - p).squaredNorm() < radius * radius; });
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if ((x - points[i]).squaredNorm() < radius[i] * radius[i]) return true;
+  return false;
 }
 
+double SingularZones::largest() const {
+  return radius.empty() ? 0 : *std::ranges::max_element(radius);
+}
+
+namespace {
+
+constexpr double share_of_body = 0.02, share_of_feature = 0.1;
+constexpr int poor_edges = 2;
+
+}  // namespace
+
 SingularZones singular_zones(const Model& model, double extent) {
-  constexpr double share = 0.02;
-  SingularZones zones{.points = singular_points(model)};
-  if (!zones.points.empty()) zones.radius = share * extent;
+  const Mesh& mesh = model.mesh;
+  const std::vector<Index> vertices = singular_vertices(model);
+  std::vector<double> edge(mesh.points.size(), 0);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    for (const Index v : mesh.edges[e]) edge[v] = std::max(edge[v], length(mesh, static_cast<Index>(e)));
+  SingularZones zones;
+  for (const Index v : vertices) {
+    double next = infinity;
+    for (const Index w : vertices)
+      if (w != v) next = std::min(next, (mesh.points[w] - mesh.points[v]).norm());
+    zones.points.push_back(mesh.points[v]);
+    zones.radius.push_back(std::min(share_of_body * extent, std::max(share_of_feature * next, poor_edges * edge[v])));
+  }
   return zones;
 }
 
@@ -64,15 +86,91 @@ std::optional<Peak> peak(std::span<const Vec2> points, const Eigen::VectorXd& va
   return p;
 }
 
-void add_pressures(const SingularZones& zones, std::vector<CrackResult>& cracks) {
-  for (CrackResult& crack : cracks) {
+namespace {
+
+/// A point of a crack where its pressure may be infinite.
+struct Suspect {
+  double s;  // along the crack
+  Vec2 at;
+  double edges;  // the length of the poor ones beside it
+  int end;       // 0: start, 1: end, -1: between
+};
+
+/// The points that lie on the crack's path: at its ends, or between two rows.
+std::vector<Suspect> suspects(const CrackResult& crack, const PressureProfiles& of) {
+  constexpr double bent = 1.05;
+  const std::vector<CrackRow>& rows = crack.rows;
+  const std::size_t poor = poor_edges * of.per_edge;
+  const auto beside = [&](std::size_t i, std::size_t j) { return std::abs(rows[i].s - rows[j].s); };
+  std::vector<Suspect> found;
+  if (rows.size() <= 2 * poor) return found;
+  for (const Vec2& x : of.singular) {
+    if ((x - rows.front().at).norm() <= bent * rows.front().s)
+      found.push_back({0, x, beside(0, poor), 0});
+    else if ((x - rows.back().at).norm() <= bent * (crack.length - rows.back().s))
+      found.push_back({crack.length, x, beside(rows.size() - 1, rows.size() - 1 - poor), 1});
+    else
+      for (std::size_t i = of.per_edge; i < rows.size(); i += of.per_edge) {
+        const double before = (x - rows[i - 1].at).norm(), after = (x - rows[i].at).norm();
+        if (before + after > bent * beside(i, i - 1)) continue;
+        found.push_back({rows[i - 1].s + before, x,
+                         std::max(beside(i, std::min(i + poor, rows.size() - 1)), beside(i - 1, i - std::min(i, poor))),
+                         -1});
+        break;
+      }
+  }
+  return found;
+}
+
+/// Whether the pressure grows like a power of the distance towards the point; also where too few edges say.
+bool is_infinite(const CrackResult& crack, const Suspect& point) {
+  constexpr double grows = 0.05, as_fast = 0.6;
+  std::array<double, 3> sum{}, count{};
+  double largest = 0;
+  for (const CrackRow& row : crack.rows) {
+    const double pressure = std::max(0.0, -row.sigma_n - row.fluid_pressure);
+    const double octave = std::log2(std::abs(row.s - point.s) / point.edges);
+    if (octave < 3) largest = std::max(largest, pressure);
+    if (octave < 0 || octave >= 3) continue;
+    sum[static_cast<std::size_t>(octave)] += pressure;
+    count[static_cast<std::size_t>(octave)] += 1;
+  }
+  if (largest <= 1e-9 * crack.max_pressure) return false;
+  if (std::ranges::any_of(count, [](double n) { return n < 2; })) return true;
+  if (sum[0] <= 0) return false;  // open beside it
+  const auto slope = [&](std::size_t i) {
+    return sum[i + 1] > 0 ? std::log2(sum[i] / count[i] / (sum[i + 1] / count[i + 1])) : infinity;
+  };
+  return slope(0) > grows && slope(0) > as_fast * slope(1);
+}
+
+}  // namespace
+
+void add_pressures(const PressureProfiles& of, std::vector<CrackResult>& cracks) {
+  for (std::size_t number = 0; number < cracks.size(); ++number) {
+    CrackResult& crack = cracks[number];
+    if (!(crack.max_pressure > 0)) continue;
+    SingularZones zones;
+    std::vector<bool> left_out(crack.rows.size(), false);
+    const double feature = std::min(crack.length, crack.closed_length);
+    for (const Suspect& point : suspects(crack, of)) {
+      if (is_infinite(crack, point)) {
+        zones.points.push_back(point.at);
+        zones.radius.push_back(std::max(point.edges, std::min(share_of_body * of.extent, share_of_feature * feature)));
+      } else if (point.end >= 0 && of.tips[number][static_cast<std::size_t>(point.end)]) {
+        for (std::size_t i = 0; i < poor_edges * of.per_edge; ++i)
+          left_out[point.end == 0 ? i : left_out.size() - 1 - i] = true;
+      }
+    }
     std::vector<Vec2> at;
     Eigen::VectorXd pressure(static_cast<Eigen::Index>(crack.rows.size()));
     for (const CrackRow& row : crack.rows) {
-      pressure[static_cast<Eigen::Index>(at.size())] = -row.sigma_n - row.fluid_pressure;
+      const bool out = left_out[at.size()];
+      pressure[static_cast<Eigen::Index>(at.size())] = out ? nan : -row.sigma_n - row.fluid_pressure;
       at.push_back(row.at);
     }
-    if (crack.max_pressure > 0) crack.pressure = peak(at, pressure, zones);
+    crack.pressure = peak(at, pressure, zones);
+    if (crack.pressure) crack.max_pressure = std::max(0.0, crack.pressure->largest.value);
   }
 }
 
@@ -101,7 +199,9 @@ void add_peaks(const Model& model, const PlotData& data, double extent, StateRes
   const SingularZones zones = singular_zones(model, extent);
   state.von_mises = peak(data.points, data.von_mises, zones);
   state.displacement = peak(data.points, data.values.displacement.colwise().norm().transpose(), {});
-  add_pressures(zones, cracks);
+  add_pressures(
+      {ends_inside(model.mesh), static_cast<std::size_t>(model.inner->skeleton.per_edge) / 2, zones.points, extent},
+      cracks);
   for (std::string& note :
        notes_on_size(peak(data.points, principal_strains(model, data), zones), state.displacement, extent))
     state.notes.push_back(std::move(note));

@@ -3,6 +3,8 @@
 
 #include "kerf/model.hpp"
 
+#include <array>
+
 namespace kerf {
 
 /// (s11, s22, (s12 + s21)/2) of (s11, s12, s21, s22).
@@ -17,8 +19,14 @@ struct PrincipalStresses {
 };
 PrincipalStresses principal_stresses(const Eigen::Vector4d& stress);
 
-/// Crack tips, kinks and junctions, reentrant corners, corners between materials and the ends of supports: where the
-/// stress, and with it the map, may be infinite. Every point once, by increasing vertex.
+/// Crack tips, kinks and junctions, ends of cracks, reentrant corners, corners between materials and the ends of
+/// supports: where the stress, and with it the map, may be infinite. Not where a crack meets a straight side on rollers
+/// squarely: its mirror image goes on behind them. By increasing vertex.
+std::vector<Index> singular_vertices(const Model& model);
+/// Where they are.
 std::vector<Vec2> singular_points(const Model& model);
+
+/// Per crack: whether its start and its end are tips, inside the body and on no other crack.
+std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh);
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #include "solver/post/crack_tip.hpp"
 
+#include "solver/stress.hpp"
 #include "solver/system.hpp"
 
 #include "geometry/plane.hpp"
@@ -158,25 +159,40 @@ double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) 
 
 }  // namespace
 
-std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
+std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
   std::vector<bool> on_boundary(mesh.points.size(), false);
   std::vector<int> crack_edges(mesh.points.size(), 0);
-  std::vector<Index> ends;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const bool boundary = mesh.sides[e][0] == none || mesh.sides[e][1] == none;
     for (const Index v : mesh.edges[e]) {
       if (boundary) on_boundary[v] = true;
       if (mesh.crack[e] != none) ++crack_edges[v];
     }
-    if (boundary || mesh.crack[e] != none || is_interface(mesh, e)) ends.push_back(e);
   }
+  const auto is_inside = [&](const CrackEdge& c, bool first) {
+    const Index v = mesh.edges[c.edge][c.forward == first ? 0 : 1];
+    return !on_boundary[v] && crack_edges[v] == 1;
+  };
+  std::vector<std::array<bool, 2>> inside;
+  for (const auto& crack : mesh.cracks) {
+    inside.push_back({false, false});
+    if (!crack.empty()) inside.back() = {is_inside(crack.front(), true), is_inside(crack.back(), false)};
+  }
+  return inside;
+}
+
+std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
+  std::vector<Index> ends;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none || is_interface(mesh, e))
+      ends.push_back(e);
+  const std::vector<std::array<bool, 2>> inside = ends_inside(mesh);
   std::vector<CrackTip> tips;
   for (Index crack = 0; crack < static_cast<Index>(mesh.cracks.size()); ++crack) {
     if (mesh.cracks[crack].empty()) continue;
     for (const bool start : {true, false}) {
+      if (!inside[crack][start ? 0 : 1]) continue;
       const Walk w = walk(mesh, crack, start);
-      const Index end = w.vertices.front();
-      if (on_boundary[end] || crack_edges[end] > 1) continue;
       CrackTip tip = make_tip(mesh, crack, start, w, divisions);
       tip.room = room(mesh, ends, tip);
       tips.push_back(std::move(tip));

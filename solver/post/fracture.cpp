@@ -310,11 +310,10 @@ double room_to_close(const CrackTip& tip, const CrackLaw& law) {
   return std::max(0.0, 2 * nearer - at);  // c of c sqrt(r) + d r
 }
 
-/// Points of the profile per edge, from the tip. `apart`: room_to_close is infinite.
-std::vector<Face> faces_beside(const Model& model, const Beside& crack, bool apart) {
+/// Points of the profile per edge, from the tip, with the pressure of contact as the mesh has it.
+std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
   const CrackTip& tip = crack.tip;
   const std::span<const CrackPoint> profile = crack.profile;
-  const CrackLaw& law = model.scene.laws[tip.crack];
   const std::size_t count = crack.points, edges = profile.size() / count;
   const LoadedCrack* fluid = pressure_in(model.inner->data, tip.crack);
   std::vector<Face> faces;
@@ -338,18 +337,27 @@ std::vector<Face> faces_beside(const Model& model, const Beside& crack, bool apa
     }
     faces.push_back(std::move(face));
   }
-  // The discrete pressure of contact on the edge at the tip is off by the order of K_II/sqrt(h), which would leave an
-  // error of some hundredths of K_II in K_I on every mesh. Without that edge: K_I > 0 means that the tip is open, no
-  // pressure there and nothing is missing; at a closed tip a positive term is missing from K_I = 0. So it is the
-  // positive part. Friction on that edge is taken from the next one. Where faces overlap before loading they press on
-  // each other up to an open tip; where a gap keeps them apart there nothing presses, or what does is on the mesh.
-  const bool wedged = std::ranges::any_of(faces[0].points, [](const CrackPoint& p) { return p.gap < 0; });
-  if (law.kind == CrackLaw::Kind::Unilateral && !wedged && !apart)
-    for (std::size_t k = 0; k < count; ++k) {
-      faces[0].points[k].sigma_n = 0;
-      if (faces.size() > 1) faces[0].points[k].sigma_t = faces[1].points[0].sigma_t;
-    }
   return faces;
+}
+
+/// The discrete pressure of contact on the edge at a tip is off by the order of K_II/sqrt(h), which would leave an
+/// error of some hundredths of K_II in K_I on every mesh. The mean of that on the next edge takes its place, and the
+/// friction there. Returns whether that presses: then the tip is closed or nearly so. As it is where faces overlap
+/// before loading and press on each other up to an open tip, and where a gap keeps them apart (`apart`): nothing
+/// presses there, or what does is on the mesh.
+bool mend_pressure_at_tip(const CrackLaw& law, bool apart, std::vector<Face>& faces) {
+  const bool wedged = std::ranges::any_of(faces[0].points, [](const CrackPoint& p) { return p.gap < 0; });
+  if (law.kind != CrackLaw::Kind::Unilateral || wedged || apart) return false;
+  const bool open = std::ranges::all_of(faces[0].points, [](const CrackPoint& p) { return !(p.sigma_n < 0); });
+  double pressure = 0, length = 0;
+  if (faces.size() > 1 && !open)
+    for (const CrackPoint& p : faces[1].points) pressure -= p.length * p.sigma_n, length += p.length;
+  const double beyond = length > 0 ? std::max(0.0, pressure / length) : 0;
+  for (CrackPoint& p : faces[0].points) {
+    p.sigma_n = -beyond;
+    if (faces.size() > 1) p.sigma_t = faces[1].points[0].sigma_t;
+  }
+  return beyond > 0;
 }
 
 /// The polynomial through the values at the points of a face, at t.
@@ -415,6 +423,13 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
     }
   }
   return sum;
+}
+
+/// The share of the pressure of contact on the first of them.
+Integrals work_of_pressure_at_tip(const Disc& disc, const Face& first) {
+  Face free = first;
+  for (CrackPoint& p : free.points) p.sigma_n = 0;
+  return work_of_tractions(disc, {&first, 1}) - work_of_tractions(disc, {&free, 1});
 }
 
 /// The same for J on straight faces, int q s_12 d[u_1] and, of a fluid, int q s_22 d[u_2], as a sum over the points of
@@ -545,23 +560,29 @@ struct Factors {
   Row T, G;
 };
 
-/// `traction`: s_12, s_22 that the faces bear at the tip; `least`: the opening (L^-1 K)_n that contact asks for.
-Factors factors(const Disc& disc, const Integrals& I, const Vec2& traction, double least) {
+/// `traction`: s_12, s_22 that the faces bear at the tip; `least`: the opening (L^-1 K)_n that contact asks for;
+/// `pressed`: the part of I that is of a pressure on the edge at the tip. Whether that edge is closed the rest says:
+/// K_I > 0 without it means that the tip is open, and nothing presses there; at a closed tip a positive term is
+/// missing.
+Factors factors(const Disc& disc, const Integrals& all, const Integrals& pressed, const Vec2& traction, double least) {
+  const Integrals I = all - pressed;
   const double modulus = plane_modulus(disc.material);
-  Factors f{modulus / 2 * I.topRows<2>(), (modulus * I.row(2)).array() + disc.smooth.t_stress(), {}};
+  Factors f{modulus / 2 * all.topRows<2>(), (modulus * all.row(2)).array() + disc.smooth.t_stress(), {}};
   if (isotropic(disc.material)) {
+    f.K.row(0) = modulus / 2 * I.row(0);
     f.K.row(0) = f.K.row(0).cwiseMax(modulus / 2 * least);
     f.G = f.K.colwise().squaredNorm() / modulus;
     return f;
   }
   const Mat2 smooth = disc.smooth.at(Vec2::Zero()).stress;
   for (int k = 0; k < rings; ++k) {
+    // A pressure at the tip changes K_I alone, so that K_II is that of either.
     f.K.col(k) = orthotropic_factors(disc.material, I.col(k).head<2>(), least);
     f.G[k] = orthotropic_release(disc.material, f.K.col(k));
-    const bool closed = !(I(0, k) > least);  // then the pressure at the tip is not known
+    const bool closed = !(I(0, k) > least);  // then the pressure at the tip is known from the next edge alone
     f.T[k] = closed ? nan
                     : disc.smooth.t_stress() +
-                          orthotropic_t_stress(disc.material, I(2, k), traction - Vec2(smooth(0, 1), smooth(1, 1)));
+                          orthotropic_t_stress(disc.material, all(2, k), traction - Vec2(smooth(0, 1), smooth(1, 1)));
   }
   return f;
 }
@@ -600,7 +621,8 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   disc.rotation = mean_rotation(model, state, disc, c.triangles, sums);
   disc.smooth = smooth_part(model, state, disc, c.triangles, profile, sums);
   const double to_close = room_to_close(tip, law);
-  const std::vector<Face> behind = faces_beside(model, crack, std::isinf(to_close));
+  std::vector<Face> behind = faces_beside(model, crack);
+  const bool presses = mend_pressure_at_tip(law, std::isinf(to_close), behind);
   Integrals I = over_ring(model, state, disc, c.triangles, sums) + work_of_tractions(disc, behind);
   if (tip.curved)
     I += over_curved_faces(model, state, disc, behind);
@@ -610,7 +632,8 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const Vec2 at_tip(along_face(behind[0], 0, &CrackPoint::sigma_t),
                     along_face(behind[0], 0, &CrackPoint::sigma_n) - fluid_pressure(behind[0], 0));
   const bool contact = law.kind == CrackLaw::Kind::Unilateral;
-  const auto [K, T, G] = factors(disc, I, at_tip, contact ? -std::sqrt(pi / 8) * to_close : -infinity);
+  const Integrals pressed = presses ? work_of_pressure_at_tip(disc, behind[0]) : Integrals(Integrals::Zero());
+  const auto [K, T, G] = factors(disc, I, pressed, at_tip, contact ? -std::sqrt(pi / 8) * to_close : -infinity);
   result.K_I = K(0, middle);
   result.K_II = K(1, middle);
   result.T = T[middle];

@@ -2,6 +2,7 @@
 
 #include "geometry/plane.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -29,13 +30,51 @@ void add_junctions(const Mesh& mesh, Vertices& vertices) {
       }
 }
 
+constexpr double kink = 0.05;  // radians
+
+/// Whether the supports hold a side along its normal `n` alone.
+bool on_rollers(const Scene& scene, Index label, const Vec2& n) {
+  bool held = false;
+  for (const Support& support : scene.supports) {
+    if (support.label != label) continue;
+    const bool along_x = std::abs(n.y()) < kink, along_y = std::abs(n.x()) < kink;
+    const bool normal = support.first && !support.second
+                            ? support.normal_frame || along_x
+                            : support.second && !support.first && !support.normal_frame && along_y;
+    if (!normal) return false;
+    held = true;
+  }
+  return held;
+}
+
+/// Vertices where a straight side is held by rollers on both sides of the vertex; elsewhere 0. Its normal.
+std::vector<Vec2> normals_of_rollers(const Mesh& mesh, const Scene& scene) {
+  std::vector<Vec2> normal(mesh.points.size(), Vec2::Zero());
+  std::vector<int> count(mesh.points.size(), 0);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
+    const Vec2 n = outward_normal(mesh, e);
+    if (on_rollers(scene, mesh.label[e], n))
+      for (const Index v : mesh.edges[e]) normal[v] += 0.5 * n, ++count[v];
+  }
+  constexpr double straight = 1 - kink * kink / 2;
+  for (std::size_t v = 0; v < normal.size(); ++v)
+    if (count[v] != 2 || normal[v].norm() < straight) normal[v].setZero();
+  return normal;
+}
+
 void add_ends_and_kinks(const Mesh& mesh, const Scene& scene, Vertices& vertices) {
-  constexpr double kink = 0.05;  // radians
+  const std::vector<Vec2> rollers = normals_of_rollers(mesh, scene);
+  const auto is_mirrored = [&](Index v, Index next) {
+    const Vec2 along = (mesh.points[next] - mesh.points[v]).normalized();
+    return std::abs(rollers[v].dot(along)) > 1 - kink * kink / 2;
+  };
   for (std::size_t number = 0; number < mesh.cracks.size(); ++number) {
     const auto& crack = mesh.cracks[number];
     if (crack.empty()) continue;
-    vertices.insert(start_of(mesh, crack.front()));
-    vertices.insert(end_of(mesh, crack.back()));
+    const Index start = start_of(mesh, crack.front()), end = end_of(mesh, crack.back());
+    if (!is_mirrored(start, end_of(mesh, crack.front()))) vertices.insert(start);
+    if (!is_mirrored(end, start_of(mesh, crack.back()))) vertices.insert(end);
     if (scene.laws[number].normal) continue;  // a curve
     for (std::size_t i = 1; i < crack.size(); ++i) {
       const Index v = start_of(mesh, crack[i]);
@@ -108,14 +147,18 @@ PrincipalStresses principal_stresses(const Eigen::Vector4d& s) {
   return {mean + radius, mean - radius};
 }
 
-std::vector<Vec2> singular_points(const Model& model) {
+std::vector<Index> singular_vertices(const Model& model) {
   Vertices vertices;
   add_junctions(model.mesh, vertices);
   add_ends_and_kinks(model.mesh, model.scene, vertices);
   add_corners_between_materials(model.mesh, vertices);
   add_corners_and_ends_of_supports(model, vertices);
+  return {vertices.begin(), vertices.end()};
+}
+
+std::vector<Vec2> singular_points(const Model& model) {
   std::vector<Vec2> points;
-  for (const Index v : vertices) points.push_back(model.mesh.points[v]);
+  for (const Index v : singular_vertices(model)) points.push_back(model.mesh.points[v]);
   return points;
 }
 
