@@ -1,7 +1,8 @@
 #include "solver/bounds/work_of_data.hpp"
 
-#include "solver/data/jacobi.hpp"
 #include "solver/data/left_out.hpp"
+#include "solver/data/near_tip.hpp"
+#include "solver/data/refined.hpp"
 #include "solver/quadrature.hpp"
 
 #include <algorithm>
@@ -125,50 +126,6 @@ Interval scaled(double from, double to, const Interval& c, double middle) {
           middle + std::max(from * c.high, to * c.high) + rounding};
 }
 
-/// One piece in one or two coordinates; which of its parents' pieces it is a part of.
-struct Piece {
-  std::size_t whole = 0;
-  std::array<double, 2> from{0, 0}, to{1, 1};
-  double value = 0, error = 0, size = 0;
-  bool sampled = false;
-};
-
-/// Cuts the piece with the largest error, until their sum is small beside the sum of the sizes.
-template <typename Evaluate, typename Cut>
-Known refined(std::vector<Piece> pieces, int most, const Evaluate& evaluate, const Cut& cut) {
-  constexpr double tolerance = 1e-10;
-  for (Piece& p : pieces) evaluate(p);
-  int evaluations = static_cast<int>(pieces.size());
-  const auto smaller = [](const Piece& a, const Piece& b) { return a.error < b.error; };
-  std::make_heap(pieces.begin(), pieces.end(), smaller);
-  for (;;) {
-    Known known;
-    double size = 0;
-    for (const Piece& p : pieces) {
-      known.value += p.value;
-      known.error += p.error;
-      size += p.size;
-      known.sampled = known.sampled || p.sampled;
-    }
-    if (evaluations >= most || !(known.error > tolerance * size)) return known;
-    // A tenth of them at once: the sums cost as much as the pieces.
-    const std::size_t batch = 1 + pieces.size() / 10;
-    std::vector<Piece> worst;
-    for (std::size_t i = 0; i < batch; ++i) {
-      std::pop_heap(pieces.begin(), pieces.end(), smaller);
-      worst.push_back(pieces.back());
-      pieces.pop_back();
-    }
-    for (const Piece& p : worst)
-      for (Piece part : cut(p)) {
-        evaluate(part);
-        ++evaluations;
-        pieces.push_back(part);
-        std::push_heap(pieces.begin(), pieces.end(), smaller);
-      }
-  }
-}
-
 class WorkOfBody {
  public:
   WorkOfBody(const VectorField& f, const FadingField& field) : f_(f), field_(field) {
@@ -252,130 +209,6 @@ class WorkOfBody {
   std::vector<std::array<Along, 2>> wholes_;  // radius and angle
 };
 
-/// Pieces of the crack, from its tip on: s of the way to where the field is 0.
-class WorkOfPressure {
- public:
-  WorkOfPressure(const BoundaryField& p, const FadingField& field, const Vec2& along)
-      : p_(p),
-        field_(field),
-        along_(along),
-        up_(-along.y(), along.x()),
-        line_{field.middle, field.middle - field.fade.outer * along, up_} {}
-
-  Known known() const {
-    std::vector<Piece> pieces(2);
-    pieces[0].to[0] = pieces[1].from[0] = field_.fade.inner / field_.fade.outer;
-    constexpr int most = 4000;
-    return refined(
-        std::move(pieces), most, [this](Piece& p) { evaluate(p); }, [this](const Piece& p) { return cut(p); });
-  }
-
- private:
-  /// What a unit pressure works per length, times the root of the distance.
-  double opening(double r) const {
-    constexpr double side = 1e-9;  // of the distance: the faces are the same points
-    const Vec2 x = field_.middle - r * along_;
-    const Vec2 jump = field_.G.displacement(x + side * r * up_) - field_.G.displacement(x - side * r * up_);
-    return field_.fade(r) * up_.dot(jump) * std::sqrt(r);
-  }
-  double radius(double s) const {
-    return s * field_.fade.outer;
-  }
-  struct Sum {
-    double value = 0, size = 0, field = 0;
-  };
-  /// dr/sqrt(r) = 2 d sqrt(r).
-  Sum by(const EdgeRule& rule, const Piece& p) const {
-    Sum sum;
-    const double low = std::sqrt(radius(p.from[0])), high = std::sqrt(radius(p.to[0]));
-    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const double r = std::pow(low + rule.s[q] * (high - low), 2), weight = 2 * rule.w[q] * (high - low) * opening(r),
-                   work = weight * p_(field_.middle - r * along_, up_).x();
-      sum.value += work;
-      sum.size += std::abs(work);
-      sum.field += std::abs(weight);
-    }
-    return sum;
-  }
-  void evaluate(Piece& p) const {
-    static const EdgeRule coarse = gauss(12), fine = gauss(16);
-    p.sampled = !p_.known();
-    if (!p_.known()) return take(p, by(coarse, p), by(fine, p), 0);
-    const OnPiece known = p_.known()->along(line_, p.from[0], p.to[0]);
-    const double length = p.to[0] - p.from[0];
-    if (std::isfinite(known.eighth[0]))
-      return take(p, by(coarse, p), by(fine, p), 2 * left_by_interpolation(known.eighth[0], length));
-    if (known.power && known.power->at_low_end && p.from[0] == 0) return take_power(p, *known.power);
-    const double width = known.value[0].high - known.value[0].low;
-    if (!std::isfinite(width)) {
-      p.error = infinity;
-      return;
-    }
-    take(p, by(coarse, p), by(fine, p), 2 * width);
-  }
-  static void take(Piece& p, const Sum& coarse, const Sum& fine, double left) {
-    p.value = fine.value;
-    p.size = fine.size;
-    p.error = std::abs(fine.value - coarse.value) + left * fine.field;
-  }
-  /// p = A + B s^e from the tip on: A as it is, B with the weight s^(e - 1/2).
-  void take_power(Piece& p, const Power& power) const {
-    const double e = power.exponent, to = radius(p.to[0]);
-    if (!(e > -0.5)) {
-      p.error = infinity;
-      return;
-    }
-    // Of one of them, in the root of r/to, with the power of it that is the weight.
-    const auto sum = [&](double exponent, double scale, const auto& part) {
-      return [=, this](int points) {
-        Sum all;
-        const EdgeRule rule = gauss_jacobi(exponent, points);
-        for (int q = 0; q < points; ++q) {
-          const double r = std::pow(rule.s[q], 2) * to, weight = 2 * rule.w[q] * std::sqrt(to) * scale * opening(r),
-                       work = weight * part(r / field_.fade.outer);
-          all.value += work;
-          all.size += std::abs(work);
-          all.field += std::abs(weight);
-        }
-        return all;
-      };
-    };
-    const auto regulars = sum(0, 1, [&power](double at) { return power.parts(at).first.x(); });
-    const auto powers = sum(2 * e, std::pow(p.to[0], e), [&power](double at) { return power.parts(at).second.x(); });
-    constexpr int coarse = 12, fine = 16;
-    Piece regular = p, singular = p;
-    take(regular, regulars(coarse), regulars(fine), 2 * left_by_interpolation(power.regular_eighth[0], p.to[0]));
-    take(singular, powers(coarse), powers(fine), 2 * left_by_interpolation(power.factor_eighth[0], p.to[0]));
-    p.value = regular.value + singular.value;
-    p.size = regular.size + singular.size;
-    p.error = regular.error + singular.error;
-  }
-  /// At a break where one is known, which is passed over in a piece of its own; else in the middle.
-  std::vector<Piece> cut(const Piece& p) const {
-    std::vector<double> ends{p.from[0], p.to[0]};
-    std::optional<Interval> at;
-    if (p_.known()) at = p_.known()->along(line_, p.from[0], p.to[0]).cut;
-    if (at)
-      ends.insert(ends.begin() + 1, {at->low, at->high});
-    else
-      ends.insert(ends.begin() + 1, 0.5 * (p.from[0] + p.to[0]));
-    std::vector<Piece> parts;
-    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-      if (!(ends[i + 1] > ends[i])) continue;
-      Piece part = p;
-      part.from[0] = ends[i];
-      part.to[0] = ends[i + 1];
-      parts.push_back(part);
-    }
-    return parts;
-  }
-
-  const BoundaryField& p_;
-  const FadingField& field_;
-  Vec2 along_, up_;
-  EdgeLine line_;
-};
-
 }  // namespace
 
 Known work_of_body(const VectorField& f, const FadingField& field) {
@@ -383,7 +216,14 @@ Known work_of_body(const VectorField& f, const FadingField& field) {
 }
 
 Known work_of_pressure(const BoundaryField& p, const FadingField& field, const Vec2& along) {
-  return WorkOfPressure(p, field, along).known();
+  const Vec2 up(-along.y(), along.x());
+  const auto opening = [&](double r) {
+    constexpr double side = 1e-9;  // of the distance: the faces are the same points
+    const Vec2 x = field.middle - r * along;
+    const Vec2 jump = field.G.displacement(x + side * r * up) - field.G.displacement(x - side * r * up);
+    return field.fade(r) * up.dot(jump) * std::sqrt(r);
+  };
+  return over_face(p, {field.middle, field.middle - field.fade.outer * along, up}, {field.fade.inner}, opening);
 }
 
 }  // namespace kerf

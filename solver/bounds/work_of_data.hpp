@@ -3,19 +3,11 @@
 // are a polynomial and an enclosed remainder on each piece; the field is analytic away from its singular place [theory:
 // D.5].
 
+#include "solver/data/known.hpp"
 #include "solver/nucleus.hpp"
 #include "solver/system.hpp"
 
 namespace kerf {
-
-/// A number and what it may be off by.
-struct Known {
-  double value = 0, error = 0;
-  bool sampled = false;  // of data that are known at points only: the error is what finer rules show
-};
-inline Known operator+(const Known& a, const Known& b) {
-  return {a.value + b.value, a.error + b.error, a.sampled || b.sampled};
-}
 
 inline constexpr const char *work_sampled = "the bounds are estimates: a load is known at sampled points only",
                             *not_integrated = "no bounds: the work of a load is not resolved where the quantity is";

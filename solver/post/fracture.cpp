@@ -16,6 +16,7 @@
 #include "solver/system.hpp"
 
 #include "kerf/recover.hpp"
+#include "solver/data/near_tip.hpp"
 #include "solver/parallel.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/post/orthotropic_tip.hpp"
@@ -432,6 +433,56 @@ Integrals work_of_pressure_at_tip(const Disc& disc, const Face& first) {
   return work_of_tractions(disc, {&first, 1}) - work_of_tractions(disc, {&free, 1});
 }
 
+/// What the polynomials of a fluid's pressure leave of it works on the singular auxiliary fields, too: where the
+/// pressure is narrow, or grows without bounds at the tip. On straight faces. `error`: of each, added.
+Integrals work_of_fluid_rest(const Disc& disc, const CrackLaw& law, std::span<const Face> faces, Integrals& error) {
+  Integrals sum = Integrals::Zero();
+  constexpr double rounding = 1e-10;
+  const auto left_out = [&](const Face& face) {
+    const double size = face.fluid ? face.fluid->at.row(0).cwiseAbs().maxCoeff() : 0;
+    return face.fluid && !(face.fluid->rest.x() <= std::pow(rounding * size, 2));
+  };
+  const double outer = disc.ring.back().outer;
+  std::vector<const Face*> with_rest;
+  std::vector<double> ends;
+  for (const Face& face : faces) {
+    if (disc.tip.vertices[face.edge].norm() >= outer) break;
+    if (!left_out(face)) continue;
+    with_rest.push_back(&face);
+    for (const std::size_t end : {face.edge, face.edge + 1}) ends.push_back(disc.tip.vertices[end].norm());
+  }
+  if (with_rest.empty()) return sum;
+  const auto counts = [&](double r) {
+    for (std::size_t i = 0; i < ends.size(); i += 2)
+      if (ends[i] <= r && r <= ends[i + 1]) return true;
+    return false;
+  };
+  const EdgeLine line{disc.tip.at, disc.tip.at - ends.back() * disc.tip.frame.col(0), disc.tip.frame.col(1)};
+  for (int k = 0; k < rings; ++k)
+    for (int i = 0; i < auxiliary; ++i) {
+      const auto gradient = [&](double r, double angle) {
+        return auxiliary_fields(disc.material, Vec2(-r, 0), angle)[static_cast<std::size_t>(i)].gradient(1, 0);
+      };
+      std::vector<double> breaks = ends;
+      breaks.insert(breaks.end(), {disc.ring[k].inner, disc.ring[k].outer});
+      const Known exact = over_face(law.pressure, line, std::move(breaks), [&](double r) {
+        return counts(r) ? cut_off(disc.ring[k], r) * (gradient(r, pi) - gradient(r, -pi)) * std::sqrt(r) : 0.0;
+      });
+      sum(i, k) -= exact.value;
+      error(i, k) += exact.error;
+    }
+  for (const Face* face : with_rest)
+    for (const Spot& p : spots(disc.tip, face->edge)) {
+      const auto upper = auxiliary_fields(disc.material, p.at, p.upper),
+                 lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * pi);
+      for (int k = 0; k < rings; ++k)
+        for (int i = 0; i < auxiliary; ++i)
+          sum(i, k) += p.weight * cut_off(disc.ring[k], p.at.norm()) * fluid_pressure(*face, p.place) *
+                       p.n.dot(upper[i].gradient.col(0) - lower[i].gradient.col(0));
+    }
+  return sum;
+}
+
 /// The same for J on straight faces, int q s_12 d[u_1] and, of a fluid, int q s_22 d[u_2], as a sum over the points of
 /// the profile: exact for a uniform friction and pressure. Where faces were apart before, contact follows their gap and
 /// does work, too.
@@ -624,10 +675,13 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   std::vector<Face> behind = faces_beside(model, crack);
   const bool presses = mend_pressure_at_tip(law, std::isinf(to_close), behind);
   Integrals I = over_ring(model, state, disc, c.triangles, sums) + work_of_tractions(disc, behind);
-  if (tip.curved)
+  Integrals fluid_error = Integrals::Zero();
+  if (tip.curved) {
     I += over_curved_faces(model, state, disc, behind);
-  else
+  } else {
     I.row(auxiliary) += work_on_faces(disc, behind);
+    if (has_pressure(law)) I += work_of_fluid_rest(disc, law, behind, fluid_error);
+  }
   const double modulus = plane_modulus(disc.material);
   const Vec2 at_tip(along_face(behind[0], 0, &CrackPoint::sigma_t),
                     along_face(behind[0], 0, &CrackPoint::sigma_n) - fluid_pressure(behind[0], 0));
@@ -644,6 +698,11 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const double size = std::max(K.col(middle).norm(), stress * std::sqrt(pi * result.radius));
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
+  if (fluid_error.maxCoeff() > 0) {
+    const Eigen::MatrixXd off = (factors(disc, I + fluid_error, pressed, at_tip, -infinity).K - K).cwiseAbs();
+    result.spread_K_I += relative(off(0, middle), size);
+    result.spread_K_II += relative(off(1, middle), size);
+  }
   if (std::isinf(to_close)) result.spread_K_I += relative(unresolved_contact(tip, behind[0]), size);
   if (has_friction(law) && law.friction > 0) {
     // The rings agree whatever false friction does to all of them.
