@@ -605,6 +605,13 @@ Material in_frame_of(const CrackTip& tip, const Material& m) {
   return isotropic(m) ? m : seen_from(m, std::atan2(tip.frame(1, 0), tip.frame(0, 0)));
 }
 
+/// |K_I/K_II| at a closed tip [theory: O.12].
+double slope_of_closed_tip(const Material& m) {
+  if (isotropic(m)) return 0;
+  const Mat2 inverse_L = surface(m).inverse_L;
+  return std::abs(inverse_L(1, 0) / inverse_L(1, 1));
+}
+
 /// What the integrals say, per ring.
 struct Factors {
   Eigen::Matrix<double, 2, rings> K;
@@ -707,7 +714,14 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   if (has_friction(law) && law.friction > 0) {
     // The rings agree whatever false friction does to all of them.
     const double of_energy = std::abs(result.J - result.G) * modulus / 2;
-    result.spread_K_II += relative(slip_error(tip, law, profile, radius), size) + relative(of_energy, size * size);
+    // In orthotropic bodies slip presses the faces, which friction feels, and K_I follows K_II [theory: O.12].
+    constexpr double most = 0.9;
+    const double follows = slope_of_closed_tip(disc.material);
+    const double more =
+        relative(slip_error(tip, law, profile, radius), size) / (1 - std::min(law.friction * follows, most)) +
+        relative(of_energy, size * size);
+    result.spread_K_II += more;
+    result.spread_K_I += follows * more;
   }
   result.spread_T = relative(largest_difference(T), std::max(std::abs(result.T), stress));
   result.spread = std::max(result.spread_K_I, result.spread_K_II);

@@ -1,5 +1,6 @@
 #include "kerf/model.hpp"
 
+#include "geometry/adapt.hpp"
 #include "geometry/topology.hpp"
 #include "solver/history.hpp"
 #include "solver/kept_memory.hpp"
@@ -141,12 +142,12 @@ struct Prepared {
     Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads, bows), threads, bows};
     skeleton = number(mesh, kernel, {scene, loaded.data}, bows);
     note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
-    standing = standing_pieces(mesh, kernel, scene, skeleton);
-    if (!standing.in_pieces) floating = check_supports(mesh, kernel, skeleton, loaded, notes);
+    floating = check_supports(mesh, kernel, skeleton, loaded, notes);
     if (!floating.empty() && like && like->total == skeleton.total)
       skeleton.fixed = with_pins(like->fixed);
     else if (!floating.empty())
-      for (const Index pin : pins(mesh, kernel, skeleton, floating)) skeleton.fixed[pin] = true;
+      for (const Index pin : pins(mesh, kernel, skeleton, floating, pieces_of(mesh, scene))) skeleton.fixed[pin] = true;
+    standing = standing_pieces(mesh, kernel, scene, skeleton);
     data = std::move(loaded.data);
   }
 
@@ -399,8 +400,17 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
   System system =
       assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
-  if (!made.standing.empty())
-    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.standing, made.notes);
+  try {
+    if (!made.standing.empty())
+      hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.standing,
+           made.notes);
+  } catch (const CoarseFeet& feet) {
+    constexpr double smallest = 1e-4;  // of the largest edge
+    const double size = quality(made.mesh).h_min / quality(made.mesh).h_max;
+    if (size < smallest || before || !sequence.empty()) throw;
+    Mesh finer = bisect(longest_edges_first(std::move(made.mesh)), feet.triangles);
+    return prepare_from(std::move(finer), e, std::move(made.scene), threads, how, std::move(ranks), nullptr);
+  }
   if (by_factors && ranks) refuse_parted_contact(ordering.contact_rows, how.most_dense);
   if (by_factors) {
     if (how.precision == Precision::Single) made.notes.emplace_back(stays_double);

@@ -158,17 +158,21 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
   return {work, size};
 }
 
-std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions) {
+std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                        std::span<const Index> piece) {
   const Index n = static_cast<Index>(motions.size());
   Eigen::MatrixXd rows(s.base, n);
   for (Index i = 0; i < n; ++i) rows.col(i) = trace(mesh, k, s, motions[i]);
   // Displacements on the boundary only.
   std::vector<bool> usable(s.base, false);
+  Index in = none;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.label[e] == none) continue;
-    for (int i = 0; i < s.per_edge; ++i) usable[edge_unknown(s, e) + i] = true;
+    const Index of = piece.empty() ? 0 : piece[mesh.sides[e][0] == none ? mesh.sides[e][1] : mesh.sides[e][0]];
+    if (in == none) in = of;
+    for (int i = 0; i < s.per_edge; ++i) usable[edge_unknown(s, e) + i] = of == in;
   }
-  if (!is_mixed(k.element))
+  if (!is_mixed(k.element) && piece.empty())
     for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c)
       usable[corner_unknown(s, c)] = usable[corner_unknown(s, c) + 1] = true;
   for (Index u = 0; u < s.base; ++u)

@@ -4,6 +4,7 @@
 #include "solver/system/skeleton.hpp"
 
 #include <cmath>
+#include <span>
 #include <string>
 
 namespace kerf {
@@ -39,8 +40,10 @@ struct Work {
 Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion,
              Index triangles);
 
-/// As many base unknowns as there are motions, chosen on the boundary so that fixing them excludes every motion.
-std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions);
+/// As many base unknowns as there are motions, chosen on the boundary so that fixing them excludes every motion. All in
+/// one of the pieces (per triangle) where they are given.
+std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
+                        std::span<const Index> piece = {});
 
 /// Trace values of a motion: per skeleton base unknown.
 Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion);

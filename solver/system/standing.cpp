@@ -1,12 +1,14 @@
 #include "solver/system/standing.hpp"
 
 #include "base/dense.hpp"
+#include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
 #include "solver/nonnegative.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -104,11 +106,15 @@ FaceUnknowns face_unknowns(const Mesh& mesh, const Scene& scene, const Skeleton&
 
 }  // namespace
 
-Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene) {
   std::vector<bool> cut(mesh.edges.size(), false);
   for (std::size_t e = 0; e < cut.size(); ++e)
     cut[e] = mesh.crack[e] != none && scene.laws[mesh.crack[e]].kind != CrackLaw::Kind::Bonded;
-  Standing standing{.piece = pieces(mesh, cut)};
+  return pieces(mesh, cut);
+}
+
+Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  Standing standing{.piece = pieces_of(mesh, scene)};
   const Index count = standing.piece.empty() ? 0 : 1 + *std::max_element(standing.piece.begin(), standing.piece.end());
   for (Index p = 0; p < count && count > 1; ++p) {
     const auto inside = std::find(standing.piece.begin(), standing.piece.end(), p) - standing.piece.begin();
@@ -126,11 +132,6 @@ Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, 
     double most = 1e-6;  // jumps of motions of unit size
     for (const Index u : faces.sliding)
       if (const double jump = std::abs(all.row(u).dot(left.col(0))); jump > most) most = jump, best = u;
-    if (best == none && multiply(all.bottomRows(s.total - s.base), left.col(0)).cwiseAbs().maxCoeff() < 1e-6)
-      throw Error(Fault::Numerics,
-                  fmt::format("cracks cut the body into {} pieces that contact may hold together, but nothing holds "
-                              "the whole against {}; support one of its pieces",
-                              count, describe(leading(standing, left.col(0)).motion)));
     if (best == none)
       throw Error(Fault::Numerics,
                   fmt::format("cracks cut the body into {} pieces, and {}, which no contact can stop; support that "
@@ -169,6 +170,98 @@ Eigen::MatrixXd rays(const Numbered& of, const Eigen::MatrixXd& jumps) {
   return matrix;
 }
 
+/// A place where two pieces may press on each other: an end of a straight run of a crack's edges. Forces on the
+/// motions.
+struct Foot {
+  Eigen::VectorXd normal, tangential;
+  double friction, slip_bound;
+  std::array<Index, 2> triangles;  // on either side
+};
+
+/// Pressures on a straight run act as two at its ends do.
+std::vector<Foot> feet(const Numbered& of, const Standing& standing) {
+  const Mesh& mesh = of.mesh;
+  const Skeleton& s = of.skeleton;
+  const auto count = static_cast<Eigen::Index>(standing.motions.size());
+  const auto pieces_beside = [&](Index e) {
+    const auto [left, right] = mesh.sides[e];
+    return std::array{standing.piece[left], standing.piece[right]};
+  };
+  const auto goes_on = [&](const CrackEdge& a, const CrackEdge& b) {
+    std::array<Index, 2> p = pieces_beside(a.edge), q = pieces_beside(b.edge);
+    std::ranges::sort(p), std::ranges::sort(q);
+    const Vec2 n = s.frame[a.edge].col(0), m = s.frame[b.edge].col(0);
+    constexpr double straight = 1e-10;
+    return p == q && std::abs(cross(n, m)) < straight && std::abs(n.dot(tangent(mesh, b.edge))) < straight;
+  };
+  std::vector<Foot> all;
+  for (std::size_t c = 0; c < mesh.cracks.size(); ++c) {
+    const std::vector<CrackEdge>& crack = mesh.cracks[c];
+    for (std::size_t i = 0; i < crack.size(); ++i) {
+      const Index e = crack[i].edge;
+      const auto [left, right] = pieces_beside(e);
+      if (left == right || s.jump[e] == none || !s.bounded[s.jump[e]]) continue;
+      for (const int end : {0, 1}) {
+        const bool first = (end == 0) == crack[i].forward;
+        if (first ? i > 0 && goes_on(crack[i - 1], crack[i]) : i + 1 < crack.size() && goes_on(crack[i], crack[i + 1]))
+          continue;
+        const Mat2 frame = frame_at(s, e, end == 0 ? 0 : s.per_edge / 2 - 1);
+        const Vec2 x = mesh.points[mesh.edges[e][end]];
+        Foot foot{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), of.scene.laws[c].friction,
+                  of.scene.laws[c].slip_bound, mesh.sides[e]};
+        for (Eigen::Index k = 0; k < count; ++k) {
+          const PieceMotion& m = standing.motions[static_cast<std::size_t>(k)];
+          const Vec2 jump = ((m.piece == right ? 1 : 0) - (m.piece == left ? 1 : 0)) * m.motion.at(x);
+          foot.normal[k] = jump.dot(frame.col(0)), foot.tangential[k] = jump.dot(frame.col(1));
+        }
+        all.push_back(std::move(foot));
+      }
+    }
+  }
+  return all;
+}
+
+/// As `rays`.
+Eigen::MatrixXd rays(const std::vector<Foot>& feet, Eigen::Index motions) {
+  std::vector<Eigen::VectorXd> all;
+  for (const Foot& f : feet)
+    for (const double side : {-1.0, 1.0}) {
+      all.push_back(f.normal + side * f.friction * f.tangential);
+      if (f.slip_bound > 0) all.push_back(side * f.tangential);
+    }
+  Eigen::MatrixXd matrix(motions, static_cast<Eigen::Index>(all.size()));
+  for (std::size_t i = 0; i < all.size(); ++i) matrix.col(static_cast<Eigen::Index>(i)) = all[i];
+  return matrix;
+}
+
+/// How rigid pieces at rest begin to move under the work `f` per motion: the forces at their feet press where they do
+/// not part and rub against the way they slide, at most by friction times what presses (complementarity, by projected
+/// Gauss-Seidel [Moreau 1988]). Motions have unit mass.
+Eigen::VectorXd beginning(const std::vector<Foot>& feet, const Eigen::VectorXd& f) {
+  constexpr int most = 20000;
+  constexpr double settled = 1e-12;
+  Eigen::VectorXd motion = f;
+  std::vector<Vec2> force(feet.size(), Vec2::Zero());
+  for (int sweep = 0; sweep < most; ++sweep) {
+    double change = 0;
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      const auto move = [&](const Eigen::VectorXd& along, double& part, double low, double high) {
+        const double mass = along.squaredNorm();
+        if (!(mass > 0)) return;
+        const double now = std::clamp(part - along.dot(motion) / mass, low, high), step = now - part;
+        motion += step * along;
+        change = std::max(change, std::abs(step) * std::sqrt(mass));
+        part = now;
+      };
+      move(feet[i].normal, force[i].x(), 0, infinity);
+      const double most_shear = feet[i].slip_bound > 0 ? infinity : feet[i].friction * force[i].x();
+      move(feet[i].tangential, force[i].y(), -most_shear, most_shear);
+    }
+    if (change <= settled * f.norm()) break;
+  }
+  return motion;
+}
+
 /// What of f no combination of the columns with factors >= 0 balances: f + A q at the best q.
 Eigen::VectorXd unbalanced(const Eigen::MatrixXd& A, const Eigen::VectorXd& f) {
   return f + multiply(A, nonnegative_least_squares(A, -f));
@@ -189,7 +282,7 @@ void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
   if (slides.cols() > 0) S += S.diagonal().mean() * slides * slides.transpose();
 }
 
-void hold(const Numbered& of, const LowerTriangle& K, const Eigen::VectorXd& F, Standing& standing,
+void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standing& standing,
           std::vector<std::string>& notes) {
   const Ordering& o = of.ordering;
   const Eigen::MatrixXd all = on_unknowns(of.mesh, of.kernel, of.skeleton, standing);
@@ -205,13 +298,35 @@ void hold(const Numbered& of, const LowerTriangle& K, const Eigen::VectorXd& F, 
     if (row >= leading_rows) jumps.row(row - leading_rows) = all.row(u);
   }
   // Loads that balance nearly are those of a mesh; what balances to rounding alone is told apart from what does not.
-  constexpr double balanced = 1e-6;
-  const Eigen::VectorXd left = unbalanced(rays(of, jumps), work);
-  if (left.norm() > balanced * size.norm())
+  constexpr double balanced = 1e-6, rounding = 1e-13;
+  const double allowed = balanced * size.norm() + rounding * F.lpNorm<1>();
+  const std::vector<Foot> places = feet(of, standing);
+  const Eigen::VectorXd falls = unbalanced(rays(places, motions), work);
+  if (falls.norm() > allowed) {
+    const Eigen::VectorXd begins = beginning(places, work);
     throw Error(Fault::Numerics,
                 fmt::format("contact does not hold the body: {}, and the loads push it that way; press it onto what "
                             "should hold it, or support it with a [[boundary]]",
-                            named(leading(standing, left))));
+                            named(leading(standing, begins.norm() > allowed ? begins : falls))));
+  }
+  const Eigen::VectorXd left = unbalanced(rays(of, jumps), work);
+  if (left.norm() > allowed) {
+    std::vector<Index> ends;
+    for (const Foot& foot : places) ends.insert(ends.end(), foot.triangles.begin(), foot.triangles.end());
+    std::ranges::sort(ends);
+    ends.erase(std::ranges::unique(ends).begin(), ends.end());
+    throw CoarseFeet(
+        fmt::format("contact holds the body, but by pressures nearer to the ends of the faces than the mesh "
+                    "has points: {}; a smaller mesh.size shows them",
+                    named(leading(standing, left))),
+        std::move(ends));
+  }
+  if (left.norm() > 0 && left.norm() <= rounding * F.lpNorm<1>()) {
+    Eigen::MatrixXd on_rows = Eigen::MatrixXd::Zero(F.size(), motions);
+    for (Index u = 0; u < of.skeleton.total; ++u)
+      if (o.row[u] != none) on_rows.row(o.row[u]) = all.row(u);
+    F -= multiply(on_rows, solve_spd(transposed_multiply(on_rows, on_rows), left));
+  }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots = pivoted_qr(jumps.transpose());
   standing.springs = Eigen::VectorXd::Zero(o.contact_rows);
   for (Eigen::Index i = 0; i < motions; ++i) {

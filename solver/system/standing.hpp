@@ -35,6 +35,8 @@ struct Standing {
 /// The pieces that cracks leave and supports do not hold. Marks tangential jumps that are to be rows in contact of no
 /// law, so that a piece that slides freely is held by its rows (Skeleton::sliding). Throws Error(Numerics) that names a
 /// motion that no contact can resist.
+/// Per triangle: the piece that open and closed cracks leave it in.
+std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene);
 Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s);
 
 /// What is numbered and assembled.
@@ -45,9 +47,16 @@ struct Numbered {
   const Skeleton& skeleton;
   const Ordering& ordering;
 };
-/// Fills springs, slides and others. Throws Error(Numerics) that names the motion where no forces of contact balance
-/// the loads F: with Coulomb's friction a necessary condition alone.
-void hold(const Numbered& of, const LowerTriangle& K, const Eigen::VectorXd& F, Standing& standing,
+/// That contact holds the body, but not by pressures at the points that the mesh has: `triangles` at the ends of the
+/// feet are to be smaller.
+struct CoarseFeet : Error {
+  CoarseFeet(const std::string& what, std::vector<Index> of) : Error(Fault::Numerics, what), triangles(std::move(of)) {}
+  std::vector<Index> triangles;
+};
+/// Fills springs, slides and others, and takes out of the loads F what rounding pushes the pieces by. Throws
+/// Error(Numerics) that names how the pieces begin to move where no forces of contact, which may act up to the ends of
+/// edges, balance F [theory: C.37]: with Coulomb's friction a necessary condition alone. Throws CoarseFeet.
+void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standing& standing,
           std::vector<std::string>& notes);
 
 /// S j - r = p on rows in contact, S without resistance to Standing::others.

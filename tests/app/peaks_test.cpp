@@ -1,4 +1,4 @@
-// What is said of the largest stress.
+// What is said of the largest stress, and of the largest pressures of contact.
 
 #include "app/run.hpp"
 
@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace kerf::peaks_test {
 namespace {
@@ -93,6 +94,85 @@ vtk = false
   ASSERT_TRUE(r.state->von_mises);
   EXPECT_NEAR(r.state->von_mises->largest.value, 0.003, 1e-9);
   EXPECT_FALSE(speaks_of_chords(r));
+}
+
+// A plate of fibres across a crack that is pressed shut and slides: the pressure is 1 + .4145 (.7 - f p) all along. The
+// mesh shows 1.57, 1.92, 3.29 at the tips as they get finer.
+TEST_F(Peaks, PressureOfAClosedCrackDoesNotGrowAtItsTips) {
+  for (const auto& [friction, exact] : {std::pair{0.0, 1.29015}, std::pair{0.3, 1.14746}})
+    for (const double size : {0.1, 0.005}) {
+      std::ofstream(folder / "a.toml") << fmt::format(R"([domain]
+outline = [[-20, -20], [20, -20], [20, 20], [-20, 20]]
+sides = ["s", "s", "s", "s"]
+[material]
+young = [100, 10]
+poisson = 0.3
+shear = 5
+angle = 35
+state = "plane stress"
+[[crack]]
+name = "c"
+path = [[-1, 0], [1, 0]]
+friction = {}
+[[boundary]]
+on = "s"
+traction = ["0.7*ny", "0.7*nx - ny"]
+[mesh]
+size = 2
+crack_tip_size = {}
+[output]
+png = false
+html = false
+vtk = false
+)",
+                                                      friction, size);
+      const Result r = run(read_case(folder / "a.toml", {}), Job::Solve, {.folder = folder / "out"});
+      const CrackResult& crack = r.cracks[0];
+      EXPECT_NEAR(crack.max_pressure, exact, 0.02 * exact) << size;
+      ASSERT_TRUE(crack.pressure);
+      EXPECT_FALSE(crack.pressure->singular);
+      EXPECT_NEAR(crack.closed_length, 2, 1e-9);
+      EXPECT_EQ(crack.open_length, 0);
+    }
+}
+
+// Hertz: P = .0028734079 on half of two blocks, contact over .3, and p = 2 P/(pi .3). Its middle lies on rollers.
+TEST_F(Peaks, PressureOfHertzIsNotSingular) {
+  std::ofstream(folder / "a.toml") << R"([domain]
+outline = [[0, -10], [10, -10], [10, 0], [10, 10], [0, 10], [0, 0]]
+sides   = ["bottom", "right", "right", "top", "left", "left"]
+[material]
+young   = 1
+poisson = 0.3
+[[region]]
+name = "lower"
+polygon = [[0, -10], [10, -10], [10, 0], [0, 0]]
+young   = 3
+poisson = 0.2
+[[interface]]
+name = "between"
+between = ["lower", "body"]
+gap = "x^2/40"
+[[boundary]]
+on = "left"
+displacement_x = 0
+[[boundary]]
+on = "bottom"
+displacement_y = 0
+[[boundary]]
+on = "top"
+pressure = 0.0001436703957
+[mesh]
+size = 0.5
+[output]
+png = false
+html = false
+vtk = false
+)";
+  const Result r = run(read_case(folder / "a.toml", {}), Job::Solve, {.folder = folder / "out"});
+  ASSERT_TRUE(r.cracks[0].pressure);
+  EXPECT_FALSE(r.cracks[0].pressure->singular);
+  EXPECT_NEAR(r.cracks[0].max_pressure, 0.006097561, 5e-3 * 0.006097561);
 }
 
 }  // namespace

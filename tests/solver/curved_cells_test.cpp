@@ -488,5 +488,24 @@ TEST(CurvedCell, WhatIsForStraightTrianglesSaysSo) {
   EXPECT_THROW(solve_saddle_point(m), Error);
 }
 
+// A closed crack along an arc, all around pressed: the state is a uniform pressure, and has no K.
+TEST(CurvedCells, UniformPressureOnAClosedArcHasNoK) {
+  Shape shape{.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, 0),
+              .cracks = {arc_crack("c", {1, 0.5}, 0.3, 0, pi / 2)},
+              .labels = {"outline"}};
+  Scene scene{.material = plane_strain(1000, 0.3), .laws = {{}}};
+  scene.tractions = {{0, [](const Vec2&, const Vec2& n) -> Vec2 { return -1.5 * n; }}};
+  for (const int degree : {1, 2}) {
+    const Model m = prepare(triangulate(shape, {.size = 0.2, .curved = true}), bdms(degree), scene, 1);
+    const std::vector<TipIntensity> tips = crack_tips(m, solve(m));
+    ASSERT_EQ(tips.size(), 2u);
+    for (const TipIntensity& tip : tips) {
+      EXPECT_NEAR(tip.K_I, 0, 1e-11);
+      EXPECT_NEAR(tip.K_II, 0, 1e-11);
+      EXPECT_NEAR(tip.T, 0, 1e-10);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kerf::curved_cells_test

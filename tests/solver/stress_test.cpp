@@ -44,5 +44,35 @@ TEST(Stress, SingularPointsAreCornersEndsOfSupportsTipsAndKinks) {
     EXPECT_TRUE(std::ranges::any_of(found, [&](const Vec2& y) { return (x - y).norm() < 1e-12; })) << x.transpose();
 }
 
+// Behind rollers that it meets squarely a joint goes on as its own mirror image: no end, unless it slants or the side
+// is free.
+TEST(Stress, SingularPointsAreNotWhereAJointMeetsRollersSquarely) {
+  for (const double slant : {0.0, 0.3})
+    for (const bool held : {true, false}) {
+      const std::vector<Vec2> joint = {{0, 1}, {2, 1 + slant}};
+      Shape shape;
+      shape.labels = {"free", "left"};
+      shape.outline = polygon("blocks", {{0, 0}, {2, 0}, {2, 2}, {0, 2}}, 0);
+      shape.outline.sides[3].label = 1;
+      shape.cracks = {{"joint", joint, {}}};
+      Scene scene;
+      scene.material = plane_strain(1, 0.3);
+      const auto zero = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+      if (held) scene.supports = {{1, false, true, false, zero}};
+      if (!held) scene.supports = {{1, false, true, true, zero}};
+      scene.laws = {{.friction = 0.1}};
+      const Mesh mesh = triangulate(shape, {.size = 0.5});
+      Model m;
+      m.mesh = mesh, m.scene = scene;
+      const std::vector<Vec2> found = singular_points(m);
+      const auto has = [&](const Vec2& x) {
+        return std::ranges::any_of(found, [&](const Vec2& y) { return (x - y).norm() < 1e-12; });
+      };
+      EXPECT_EQ(has(joint[0]), !held || slant != 0) << slant;
+      EXPECT_TRUE(has(joint[1]));
+      EXPECT_EQ(ends_inside(mesh), (std::vector<std::array<bool, 2>>{{false, false}}));
+    }
+}
+
 }  // namespace
 }  // namespace kerf::stress_test
