@@ -541,8 +541,8 @@ constexpr Key rows[] = {
      "something: "
      "less than 4 radii to the next boundary, crack, tip, end of contact, other material, end of a support or load, or "
      "to "
-     "the ring of the functional. With second, where c2 is known: the second term above 5 % of the first, or less than "
-     "2 radii. The value of a clamped hole is for this radius.",
+     "the ring of the functional. With second, where c2 is known: a radius above valid_radius, too. The value of a "
+     "clamped hole is for this radius.",
      "0.01",
      "the smallest of validate.radii, else 0.005 of the body's diagonal"},
 

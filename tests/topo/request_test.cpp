@@ -56,9 +56,11 @@ TEST(ValidationRequests, PlacesWithoutRoom) {
   for (const Validation& at : v) EXPECT_EQ(at.verdict, Verdict::OutOfRange) << at.reason;
   EXPECT_EQ(v[0].reason, "the point lies outside the body");
   for (const int i : {1, 2})
-    EXPECT_EQ(v[std::size_t(i)].reason, "the point lies on a boundary or a crack, or in the ring of the functional");
+    EXPECT_EQ(v[std::size_t(i)].reason,
+              "the point lies on a boundary, a crack or a jump of the data, or in the ring of the functional");
   EXPECT_EQ(v[3].reason,
-            "no radius fits: the nearest boundary, crack or other feature is 0.01 away; use radii below 0.0025");
+            "no radius fits: the nearest boundary, crack, jump of the data or other feature is 0.01 away; use radii "
+            "below 0.0025");
   // Outside of the body and yet in the ring of a functional.
   const Body b = plate();
   const Functional rate{"", {energy_release_rate({0.4, 0}, {1, 0}, {0.06, 3}, {})}};

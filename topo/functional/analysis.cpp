@@ -222,14 +222,6 @@ void require_known_loads(const Functional& j, const Model& m) {
                   fmt::format("functional \"{}\" does not know the work of a pressure in the crack: the state gives K "
                               "and G at every tip",
                               term.kind));
-  for (const Term& term : j.terms)
-    if (const auto tip = overlapping_tip(term, m))
-      throw Error(
-          Fault::Usage,
-          fmt::format("functional \"{}\" is infinite: the faces of the crack overlap at its tip ({:.6g}, {:.6g}) "
-                      "(gap below 0), where the square of the pressure has no integral; give it a weight "
-                      "that vanishes there, or a gap of 0 at the tip",
-                      term.kind, tip->x(), tip->y()));
   if (!has_eigenstrain(scene)) return;
   const bool out_of_plane = std::ranges::any_of(scene.eigenstrain, [](const Eigenstrain& e) { return e.out_of_plane; });
   for (const Term& term : j.terms) {
@@ -245,6 +237,17 @@ void require_known_loads(const Functional& j, const Model& m) {
                               "fourth component); use plane stress, or leave that component out",
                               term.kind));
   }
+}
+
+void require_finite(const Functional& j, const Model& m) {
+  for (const Term& term : j.terms)
+    if (const auto tip = overlapping_tip(term, m))
+      throw Error(
+          Fault::Usage,
+          fmt::format("functional \"{}\" is infinite: the faces of the crack overlap at its tip ({:.6g}, {:.6g}) "
+                      "(gap below 0), where the square of the pressure has no integral; give it a weight "
+                      "that vanishes there, or a gap of 0 at the tip",
+                      term.kind, tip->x(), tip->y()));
 }
 
 namespace {

@@ -195,7 +195,8 @@ SecondMap second_everywhere(const Analysis& a, const Functional& j, const Pertur
       const Place& at = places[static_cast<std::size_t>(i)];
       const double wide = radius_at(m, at);
       const TaylorFit fit(m, at.x, at.in, wide), narrow(m, at.x, at.in, wide / narrower);
-      if (fit.coarse() || narrow.coarse()) continue;
+      if (fit.coarse()) continue;
+      const bool both = !narrow.coarse();
       const Material& material = material_of(m.mesh, m.scene, at.in);
       SecondForm sum;
       double unsure = 0;
@@ -204,7 +205,8 @@ SecondMap second_everywhere(const Analysis& a, const Functional& j, const Pertur
         const TaylorField s = fit.of(state), t = fit.of(other);
         const Form form = from.at(at.x);
         const SecondForm of = factor * second_form(p, material, s, t, reply_in(form, p, material, s)),
-                         less = factor * second_form(p, material, narrow.of(state), narrow.of(other), {});
+                         less = both ? factor * second_form(p, material, narrow.of(state), narrow.of(other), {})
+                                     : SecondForm{};
         sum = sum + of;
         unsure += std::abs(of.mean_gradient - less.mean_gradient) +
                   std::abs(of.deviator_gradient - less.deviator_gradient) + std::abs(of.curvature - less.curvature) +
