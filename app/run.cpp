@@ -366,6 +366,15 @@ Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with
   return analysis;
 }
 
+/// By what the iterations are solved, and by what the design; empty where that is the same.
+std::string note_on_elements(const Case& c, const Case& design) {
+  const Element &loop = c.optimize_element, &end = design.element;
+  if (loop.name == end.name && loop.degree == end.degree && !design.sizing.curved) return {};
+  return fmt::format("the iterations are solved with {} {} on straight edges, the design with {} {}{}", loop.name,
+                     loop.degree, end.name, end.degree,
+                     design.sizing.curved ? " on edges that follow its curves" : " on straight edges");
+}
+
 Case optimize_design(const Case& c, Journal& journal, Result& r) {
   OptimizeSection found = optimize_body(optimize_task(c, journal.options), journal);
   if (!found.result.feasible) {
@@ -373,6 +382,7 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
     r.reason = "the design violates a constraint: " + found.result.stopped.substr(found.result.stopped.find(' ') + 1);
   }
   Case design = designed(c, found.result);
+  if (std::string words = note_on_elements(c, design); !words.empty()) found.result.notes.push_back(std::move(words));
   write_design_files(journal, c, found.result);
   journal.writer->finish();  // gmsh gets a child of this process, which is made while no other thread is at work
   try {
