@@ -193,6 +193,22 @@ class BodyMaker {
     return found;
   }
 
+  /// An edge turns by less than a third of a turn, and its middle lies between its ends.
+  void check_middle(Index e, const Vec2& x) const {
+    if (!x.allFinite()) return;
+    const auto& [a, b] = welded_.mesh.edges[std::size_t(e)];
+    const Vec2 &p = welded_.mesh.points[std::size_t(a)], chord = welded_.mesh.points[std::size_t(b)] - p;
+    const double along = (x - p).dot(chord) / chord.squaredNorm(),
+                 off = std::abs(cross(chord, x - p)) / chord.squaredNorm();
+    constexpr double highest = 0.288675;  // tan(30 degrees)/2
+    if (!(along > 0 && along < 1 && off < highest))
+      fail(
+          fmt::format("the edge at {} has its node in the middle at {}, off its chord by {:.2g} of its length; an edge "
+                      "turns by less than 120 degrees, off by 0.29, and its middle lies between its ends: a finer mesh "
+                      "is needed",
+                      at(middle(e)), at(x), off));
+  }
+
   /// Edges of the rim, of cracks and between materials are bent as the nodes in their middle say.
   void follow_curves() {
     if (std::none_of(raw_.triangles.begin(), raw_.triangles.end(),
@@ -207,6 +223,7 @@ class BodyMaker {
                        : marks_.crack[e] != none                                     ? first_crack + marks_.crack[e]
                        : material[std::size_t(left)] != material[std::size_t(right)] ? between
                                                                                      : none;
+      if (nodes.chain[e] != none) check_middle(Index(e), nodes.at[e]);
     }
     curve_ = bend(welded_.mesh, nodes, welded_.extent);
   }

@@ -47,6 +47,18 @@ TEST(BadMesh, MiddlesOfEdgesThatDiffer) {
             "at (0.5, 0.5): faces must lie on each other");
 }
 
+// Beyond a third of a turn an edge is no shape of a side.
+TEST(BadMesh, MiddlesOfEdgesFarOff) {
+  Square s;
+  s.nodes.insert(s.nodes.end(), {"21 0.5 -0.4 0", "22 1 0.5 0", "23 0.5 0.5 0"});
+  s.elements[8] = "11 9 2 0 1 1 2 5 21 22 23";
+  EXPECT_EQ(
+      complaint(s.text()),
+      "a.msh: the edge at (0.5, 0) has its node in the middle at (0.5, -0.4), off its chord by 0.4 of its length; an "
+      "edge turns by less than 120 degrees, off by 0.29, and its middle lies between its ends: a finer mesh is "
+      "needed");
+}
+
 TEST(BadMesh, NoGroups) {
   Square s;
   for (std::size_t k = 0; k < 8; ++k) s.elements[k].replace(2, 7, "1 2 0 0");
