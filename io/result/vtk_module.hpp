@@ -13,8 +13,8 @@ struct KerfVtkField {
   const double* values;  // components x count
 };
 
-/// Triangles (no cell_ends; three entries per cell, or cell_ends and quadratic ones of six), or polylines whose entries end at cell_ends[k], lone points when
-/// each has one.
+/// Triangles (no cell_ends; three entries per cell, or cell_ends and quadratic ones of six), or polylines whose entries
+/// end at cell_ends[k], lone points when each has one.
 struct KerfVtkData {
   std::int64_t points;
   const double* xy;  // 2 x points
