@@ -240,5 +240,129 @@ TEST(Margins, HoldTheTruthOfRandomHoles) {
   EXPECT_LT(widest, 0.05);
 }
 
+/// Random smooth bodies of six kinds, as case files.
+class Bodies {
+ public:
+  explicit Bodies(unsigned seed) : random_(seed) {}
+
+  std::string round_hole() {
+    const Square s(*this);
+    const double r = draw(0.08, 0.6) * s.least, x = draw(-0.6, 0.6) * (s.width - r),
+                 y = draw(-0.6, 0.6) * (s.height - r);
+    return s.text + hole("h", x, y, r) + (draw(0, 1) < 0.3 ? pressed("hole:h", draw(-1, 1)) : "");
+  }
+  std::string ellipse() {
+    const Square s(*this);
+    const double a = draw(0.15, 0.6) * s.least;
+    return s.text +
+           fmt::format("[[hole]]\nname = 'h'\nellipse = {{ center = [0, 0], semi_axes = [{}, {}], angle_deg = {} }}\n",
+                       a, a * draw(0.25, 1), draw(0, 180));
+  }
+  std::string two_holes() {
+    const Square s(*this);
+    const double a = draw(0.08, 0.35) * s.least, b = draw(0.08, 0.35) * s.least;
+    const double d = (a + b + draw(0.25, 1.5) * std::min(a, b)) / 2, t = draw(0, 2 * pi);
+    return s.text + hole("h", d * std::cos(t), d * std::sin(t), a) + hole("g", -d * std::cos(t), -d * std::sin(t), b);
+  }
+  std::string ring() {
+    const double outer = draw(1, 3), inner = outer * draw(0.2, 0.8), off = draw(0, 0.4) * (outer - inner);
+    return fmt::format(
+               "[domain]\noutline = [{{ arc_to = [{0}, 0], center = [0, 0] }}, {{ arc_to = [-{0}, 0], center = "
+               "[0, 0] }}]\nsides = ['rim', 'rim']\n",
+               outer) +
+           material() + hole("h", off, 0, inner) + (draw(0, 1) < 0.5 ? pulled("rim") : pressed("hole:h", 1));
+  }
+  /// From height B to height b by two fillets of radius r, in tension and bending.
+  std::string shoulder() {
+    const double b = draw(0.4, 1.2), B = b + draw(0.3, 1.5), r = draw(0.12, 0.9) * (B - b), l = draw(1.5, 3) * B,
+                 p = draw(-1, 1), q = draw(-1, 1);
+    return fmt::format(
+               "[domain]\noutline = [[-{0}, -{1}], [0, -{1}], [0, -{2}], {{ arc_to = [{3}, -{4}], center = "
+               "[{3}, -{2}] }}, [{0}, -{4}], [{0}, {4}], [{3}, {4}], {{ arc_to = [0, {2}], center = [{3}, {2}] "
+               "}}, [0, {1}], [-{0}, {1}]]\nsides = ['f', 'f', 'f', 'f', 'r', 'f', 'f', 'f', 'f', 'l']\n",
+               l, B, b + r, r, b) +
+           material() +
+           fmt::format(
+               "[[boundary]]\non = 'r'\ntraction = ['{} + {}*y', '0']\n[[boundary]]\non = 'l'\ntraction = "
+               "['{} + {}*y', '0']\n",
+               p, q / b, -p * b / B, -q * b * b / (B * B * B));
+  }
+  std::string slot() {
+    const Square s(*this);
+    const double r = draw(0.06, 0.25) * s.least, l = r * (1 + draw(0.3, 1.2)), t = draw(0, pi);
+    const auto at = [&](double x, double y) {
+      return fmt::format("[{}, {}]", x * std::cos(t) - y * std::sin(t), x * std::sin(t) + y * std::cos(t));
+    };
+    return s.text + fmt::format(
+                        "[[hole]]\nname = 'h'\noutline = [{{ arc_to = {}, center = {} }}, {}, {{ arc_to = {}, "
+                        "center = {} }}, {}]\n",
+                        at(-l, -r), at(-l, 0), at(l, -r), at(l, r), at(l, 0), at(-l, r));
+  }
+
+ private:
+  struct Square {
+    double width, height, least;
+    std::string text;
+    explicit Square(Bodies& of) : width(of.draw(1.5, 4)), height(of.draw(1.5, 4)), least(std::min(width, height)) {
+      text = fmt::format(
+                 "[domain]\noutline = [[-{0}, -{1}], [{0}, -{1}], [{0}, {1}], [-{0}, {1}]]\nsides = ['o', 'o', "
+                 "'o', 'o']\n",
+                 width, height) +
+             of.material() + of.pulled("o");
+    }
+  };
+
+  double draw(double from, double to) {
+    return from + (to - from) * static_cast<double>(random_()) / static_cast<double>(std::mt19937::max());
+  }
+  std::string material() {
+    const double poisson = draw(0, 0.45);
+    return fmt::format("[material]\nyoung = 1000\npoisson = {}\nstate = '{}'\n", poisson,
+                       draw(0, 1) < 0.5 ? "plane stress" : "plane strain");
+  }
+  static std::string hole(const std::string& name, double x, double y, double r) {
+    return fmt::format("[[hole]]\nname = '{}'\ncircle = {{ center = [{}, {}], radius = {} }}\n", name, x, y, r);
+  }
+  static std::string pressed(const std::string& on, double pressure) {
+    return fmt::format("[[boundary]]\non = '{}'\npressure = {}\n", on, pressure);
+  }
+  std::string pulled(const std::string& on) {
+    const double x = draw(-1, 1), y = draw(-1, 1), xy = draw(-0.6, 0.6);
+    return fmt::format("[[boundary]]\non = '{0}'\ntraction = ['{1}*nx + {2}*ny', '{2}*nx + {3}*ny']\n", on, x, xy, y);
+  }
+
+  std::mt19937 random_;
+};
+
+struct Kind {
+  const char* name;
+  std::string (Bodies::*draw)();
+};
+class SmoothBodies : public Defaults, public testing::WithParamInterface<Kind> {};
+INSTANTIATE_TEST_SUITE_P(All, SmoothBodies,
+                         testing::Values(Kind{"RoundHole", &Bodies::round_hole}, Kind{"Ellipse", &Bodies::ellipse},
+                                         Kind{"TwoHoles", &Bodies::two_holes}, Kind{"Ring", &Bodies::ring},
+                                         Kind{"Shoulder", &Bodies::shoulder}, Kind{"Slot", &Bodies::slot}),
+                         [](const testing::TestParamInfo<Kind>& info) { return std::string(info.param.name); });
+
+// 34 bodies of each kind, by defaults alone: the margin of the largest stress holds that of degree 4 on a mesh refined
+// to an error of 2e-5 in 95 of 100.
+TEST_P(SmoothBodies, MarginsHoldTheLargestStress) {
+  Bodies bodies(4306);
+  constexpr int all = 34;
+  int held = 0;
+  for (int i = 0; i < all; ++i) {
+    const std::string body = (bodies.*GetParam().draw)();
+    const Result r = solved(body), fine = solved(body, {"solver.degree=4", "mesh.adapt.error=2e-5",
+                                                        "mesh.adapt.max_triangles=20000", "output.margins=false"});
+    ASSERT_TRUE(r.state->von_mises && r.state->von_mises->largest.margin) << body;
+    const PlacedValue& peak = r.state->von_mises->largest;
+    const double truth = fine.state->von_mises->largest.value;
+    held += std::abs(peak.value - truth) <= *peak.margin ? 1 : 0;
+    EXPECT_NEAR(peak.value, truth, 0.05 * truth) << body;
+  }
+  EXPECT_GE(held, all * 95 / 100) << held << " of " << all;
+}
+
 }  // namespace
 }  // namespace kerf::margins_test
