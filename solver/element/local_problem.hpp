@@ -1,7 +1,10 @@
 #pragma once
 // The local problem of a mixed element before anything is eliminated, in arrays of compile-time size.
 
+#include "base/dense.hpp"
 #include "solver/element/bubble.hpp"
+
+#include <algorithm>
 
 namespace kerf {
 
@@ -211,7 +214,10 @@ struct LocalProblem : Space<E> {
   // stands for S D'/J: divergence, normal trace and the work on displacements stay as they are [theory: E.26].
   static void add_curved(const Kernel& k, const Triangle& t, const Scaled& s, const Eigen::Matrix4d& A, Full& a) {
     a.area = 0;
-    for (Eigen::Index q = 0; q < k.curved.w.size(); ++q) {
+    // Four rows per point of the rule: S D', and its strain times the weight.
+    const Eigen::Index points = k.curved.w.size();
+    Eigen::MatrixXd stresses(4 * points, F), strains(4 * points, F);
+    for (Eigen::Index q = 0; q < points; ++q) {
       const Vec2 l = k.curved.x.col(q), xi = point(s, l.x(), l.y());
       const CellMap map = cell_map(t, l);
       const double w = 0.5 * k.curved.w[q];
@@ -226,14 +232,17 @@ struct LocalProblem : Space<E> {
           for (int row = 0; row < 2; ++row)
             G.template block<2, 1>(2 * row, 4 * P + 2 * b + row) = map.D * curl.row(b).transpose();
       }
-      const Eigen::Matrix<double, 4, F> strain = (w / map.J) * (A * G);
+      stresses.middleRows<4>(4 * q) = G;
+      strains.middleRows<4>(4 * q) = (w / map.J) * (A * G);
       for (int i = 0; i < F; ++i) {
-        for (int j = 0; j < F; ++j) a.M(i, j) += G.col(i).dot(strain.col(j));
         a.trace[i] += w * (G(0, i) + G(3, i));
         for (int r = 0; r < R; ++r) a.Bt(i, U + r) += w * v[r] * (G(1, i) - G(2, i));
       }
       a.area += w * map.J;
     }
+    const Eigen::MatrixXd M = transposed_multiply(stresses, strains);
+    for (int i = 0; i < F; ++i)
+      for (int j = 0; j < F; ++j) a.M(i, j) = M(std::max(i, j), std::min(i, j));
   }
 
   // Of the means of the force, on the right-hand side of the constraints: the triangle's area in xi is 1/2.
