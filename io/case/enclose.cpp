@@ -79,7 +79,11 @@ Variables on_piece(const EdgeLine& edge, double from, double to, int order) {
   for (int d = 0; d < 2; ++d) {
     const double step = edge.b[d] - edge.a[d];
     const Interval side = step == 0 ? exactly(0) : widened(step, step);
-    v.of[d] = with.constant(exactly(edge.a[d]) + Interval{from, to} * side);
+    // Exact at both ends.
+    const auto at = [&](double s) {
+      return s == 0 ? exactly(edge.a[d]) : s == 1 ? exactly(edge.b[d]) : exactly(edge.a[d]) + exactly(s) * side;
+    };
+    v.of[d] = with.constant(hull(at(from), at(to)));
     if (order > 0) v.of[d].c[1] = side;
     v.of[2 + d] = with.constant(exactly(edge.n[d]));
   }

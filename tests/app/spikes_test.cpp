@@ -63,7 +63,7 @@ class Spikes : public test::InFolder {
  protected:
   nlohmann::json result_of(const std::string& text) const {
     std::ofstream(folder / "a.toml") << text;
-    run(read_case(folder / "a.toml", {}), Job::Solve, {.folder = folder / "out", .force = true});
+    run(read_case(folder / "a.toml", {}), Job::Solve, {.folder = folder / "out"});
     return nlohmann::json::parse(std::ifstream(folder / "out/result.json"));
   }
   static Interval interval(const nlohmann::json& b) {
@@ -133,6 +133,7 @@ class Spikes : public test::InFolder {
     constexpr double a = 0.5, box = 16;
     const std::string text = fmt::format(R"([domain]
 outline = [[-{0}, -{0}], [{0}, -{0}], [{0}, {0}], [-{0}, {0}]]
+sides = ["below", "right", "above", "left"]
 [[crack]]
 name = "c"
 path = [[-{1}, 0], [{1}, 0]]
@@ -189,12 +190,12 @@ TEST_F(Spikes, ForcesInASmallDiscAreSeenByStatics) {
 // Both angles turn over where y = 0, and what is made of them does not.
 TEST_F(Spikes, ABranchCutOfAContinuousTractionCostsNoBounds) {
   std::string text = plate("[[boundary]]\non = \"right\"\ntraction = [\"re/(re^2 + im^2)\", 0]\n");
-  text += R"([define]
+  text += R"toml([define]
 t1 = "0.5*atan2(y - 0.5, 1 - x)"
 t2 = "0.5*atan2(y - 0.5, 1.5 - x)"
 re = "cos(t1)*cos(t2) - sin(t1)*sin(t2)"
 im = "cos(t1)*sin(t2) + sin(t1)*cos(t2)"
-)";
+)toml";
   const nlohmann::json r = result_of(text);
   // cos of the mean angle, of which each goes from pi/2 down to the cut and comes back.
   double truth = 0;
