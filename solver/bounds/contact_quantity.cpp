@@ -167,8 +167,9 @@ struct ContactQuantityBounds::Impl {
     b.lower = known.value - known.error + s.interval.low;
     b.upper = known.value + known.error + s.interval.high;
     b.value = 0.5 * (b.lower + b.upper);
-    b.guaranteed = s.guaranteed && !known.sampled && coarse.empty();
-    if (!b.guaranteed) b.note = !s.guaranteed ? s.note : known.sampled ? std::string(work_sampled) : coarse;
+    const bool resolved = is_resolved(known, b.upper - b.lower);
+    b.guaranteed = s.guaranteed && resolved && coarse.empty();
+    if (!b.guaranteed) b.note = !s.guaranteed ? s.note : !resolved ? std::string(work_sampled) : coarse;
     return b;
   }
 

@@ -128,9 +128,9 @@ struct QuantityBounds::Impl {
     b.value = of.known.value + cross.middle;
     b.lower = b.value - cross.half - of.known.error;
     b.upper = b.value + cross.half + of.known.error;
-    b.guaranteed = cross.guaranteed && !of.known.sampled && of.estimate.empty();
-    if (!b.guaranteed)
-      b.note = !cross.guaranteed ? cross.note : of.known.sampled ? std::string(work_sampled) : of.estimate;
+    const bool resolved = is_resolved(of.known, b.upper - b.lower);
+    b.guaranteed = cross.guaranteed && resolved && of.estimate.empty();
+    if (!b.guaranteed) b.note = !cross.guaranteed ? cross.note : !resolved ? std::string(work_sampled) : of.estimate;
     return b;
   }
 

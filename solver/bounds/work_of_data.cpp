@@ -58,7 +58,7 @@ void add_edge(const Model& m, const EdgeValues& t, Index e, const Nucleus& G, Kn
     known.error += l * t.error[d] * field.row(d).cwiseAbs().maxCoeff();
     if (t.rest[d] > 0) known.error += l * std::sqrt(t.rest[d]) * left_of_analytic(fine, field.row(d));
   }
-  known.sampled = known.sampled || t.how == Resolution::Sampled;
+  known.sampled = known.sampled || (t.how == Resolution::Sampled && !t.at.isZero(0));
 }
 
 }  // namespace
@@ -143,13 +143,13 @@ class WorkOfBody {
   }
 
   Known known() const {
-    std::vector<Piece> pieces(wholes_.size());
+    std::vector<IntegrationPiece> pieces(wholes_.size());
     for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].whole = i;
     constexpr int most = 6000;
     return refined(
-        std::move(pieces), most, [this](Piece& p) { evaluate(p); },
-        [](const Piece& p) {
-          std::vector<Piece> four(4, p);
+        std::move(pieces), most, [this](IntegrationPiece& p) { evaluate(p); },
+        [](const IntegrationPiece& p) {
+          std::vector<IntegrationPiece> four(4, p);
           for (std::size_t d = 0; d < 2; ++d) {
             const double middle = 0.5 * (p.from[d] + p.to[d]);
             for (std::size_t k = 0; k < 4; ++k) ((k >> d) % 2 == 0 ? four[k].to : four[k].from)[d] = middle;
@@ -163,7 +163,7 @@ class WorkOfBody {
     double value = 0, size = 0;
     Vec2 field = Vec2::Zero();  // of |G|
   };
-  Sum by(const EdgeRule& rule, const Piece& p) const {
+  Sum by(const EdgeRule& rule, const IntegrationPiece& p) const {
     const auto& [radius, angle] = wholes_[p.whole];
     Sum sum;
     const double du = p.to[0] - p.from[0], dv = p.to[1] - p.from[1];
@@ -183,7 +183,7 @@ class WorkOfBody {
     }
     return sum;
   }
-  void evaluate(Piece& p) const {
+  void evaluate(IntegrationPiece& p) const {
     static const EdgeRule coarse = gauss(8), fine = gauss(12);
     const Sum sum = by(fine, p);
     p.value = sum.value;

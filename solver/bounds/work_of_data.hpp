@@ -9,8 +9,17 @@
 
 namespace kerf {
 
-inline constexpr const char *work_sampled = "the bounds are estimates: a load is known at sampled points only",
+inline constexpr const char *work_sampled =
+                                "the bounds are estimates: a load that is known at sampled points only is not "
+                                "resolved by the mesh",
                             *not_integrated = "no bounds: the work of a load is not resolved where the quantity is";
+
+/// What enclosures leave open is part of the interval; what sampling does is none of it if it is small beside its
+/// width.
+inline bool is_resolved(const Known& known, double width) {
+  constexpr double negligible = 0.01;
+  return !known.sampled || known.error <= negligible * width;
+}
 
 /// 1 within the inner radius, 0 beyond the outer one, three derivatives continuous.
 struct Fade {

@@ -27,7 +27,8 @@ class OverFace {
     std::sort(ends.begin(), ends.end());
     constexpr int most = 4000;
     return refined(
-        parts(Piece(), ends), most, [this](Piece& p) { evaluate(p); }, [this](const Piece& p) { return cut(p); });
+        parts(IntegrationPiece(), ends), most, [this](IntegrationPiece& p) { evaluate(p); },
+        [this](const IntegrationPiece& p) { return cut(p); });
   }
 
  private:
@@ -41,7 +42,7 @@ class OverFace {
     double value = 0, size = 0, field = 0;
   };
   /// dr/sqrt(r) = 2 d sqrt(r).
-  Sum by(const EdgeRule& rule, const Piece& p) const {
+  Sum by(const EdgeRule& rule, const IntegrationPiece& p) const {
     Sum sum;
     const double low = std::sqrt(radius(p.from[0])), high = std::sqrt(radius(p.to[0]));
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
@@ -53,7 +54,7 @@ class OverFace {
     }
     return sum;
   }
-  void evaluate(Piece& p) const {
+  void evaluate(IntegrationPiece& p) const {
     static const EdgeRule coarse = gauss(12), fine = gauss(16);
     p.sampled = !p_.known();
     if (!p_.known()) return take(p, by(coarse, p), by(fine, p), 0);
@@ -69,13 +70,13 @@ class OverFace {
     }
     take(p, by(coarse, p), by(fine, p), 2 * width);
   }
-  static void take(Piece& p, const Sum& coarse, const Sum& fine, double left) {
+  static void take(IntegrationPiece& p, const Sum& coarse, const Sum& fine, double left) {
     p.value = fine.value;
     p.size = fine.size;
     p.error = std::abs(fine.value - coarse.value) + left * fine.field;
   }
   /// p = A + B s^e from the tip on: A as it is, B with the weight s^(e - 1/2).
-  void take_power(Piece& p, const Power& power) const {
+  void take_power(IntegrationPiece& p, const Power& power) const {
     const double e = power.exponent, to = radius(p.to[0]);
     if (!(e > -0.5)) {
       p.error = infinity;
@@ -99,7 +100,7 @@ class OverFace {
     const auto regulars = sum(0, 1, [&power](double at) { return power.parts(at).first.x(); });
     const auto powers = sum(2 * e, std::pow(p.to[0], e), [&power](double at) { return power.parts(at).second.x(); });
     constexpr int coarse = 12, fine = 16;
-    Piece regular = p, singular = p;
+    IntegrationPiece regular = p, singular = p;
     take(regular, regulars(coarse), regulars(fine), 2 * left_by_interpolation(power.regular_eighth[0], p.to[0]));
     take(singular, powers(coarse), powers(fine), 2 * left_by_interpolation(power.factor_eighth[0], p.to[0]));
     p.value = regular.value + singular.value;
@@ -107,7 +108,7 @@ class OverFace {
     p.error = regular.error + singular.error;
   }
   /// At a break where one is known, which is passed over in a piece of its own; else in the middle.
-  std::vector<Piece> cut(const Piece& p) const {
+  std::vector<IntegrationPiece> cut(const IntegrationPiece& p) const {
     std::vector<double> ends{p.from[0], p.to[0]};
     std::optional<Interval> at;
     if (p_.known()) at = p_.known()->along(face_, p.from[0], p.to[0]).cut;
@@ -117,11 +118,11 @@ class OverFace {
       ends.insert(ends.begin() + 1, 0.5 * (p.from[0] + p.to[0]));
     return parts(p, ends);
   }
-  static std::vector<Piece> parts(const Piece& of, const std::vector<double>& ends) {
-    std::vector<Piece> parts;
+  static std::vector<IntegrationPiece> parts(const IntegrationPiece& of, const std::vector<double>& ends) {
+    std::vector<IntegrationPiece> parts;
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
       if (!(ends[i + 1] > ends[i])) continue;
-      Piece part = of;
+      IntegrationPiece part = of;
       part.from[0] = ends[i];
       part.to[0] = ends[i + 1];
       parts.push_back(part);

@@ -12,7 +12,7 @@
 namespace kerf {
 
 /// A piece of a domain in one or two coordinates, which are those of one of its `whole` parts.
-struct Piece {
+struct IntegrationPiece {
   std::size_t whole = 0;
   std::array<double, 2> from{0, 0}, to{1, 1};
   double value = 0, error = 0, size = 0;
@@ -21,16 +21,16 @@ struct Piece {
 
 /// Cuts the piece with the largest error, until their sum is small beside the sum of the sizes.
 template <typename Evaluate, typename Cut>
-Known refined(std::vector<Piece> pieces, int most, const Evaluate& evaluate, const Cut& cut) {
+Known refined(std::vector<IntegrationPiece> pieces, int most, const Evaluate& evaluate, const Cut& cut) {
   constexpr double tolerance = 1e-10;
-  for (Piece& p : pieces) evaluate(p);
+  for (IntegrationPiece& p : pieces) evaluate(p);
   int evaluations = static_cast<int>(pieces.size());
-  const auto smaller = [](const Piece& a, const Piece& b) { return a.error < b.error; };
+  const auto smaller = [](const IntegrationPiece& a, const IntegrationPiece& b) { return a.error < b.error; };
   std::make_heap(pieces.begin(), pieces.end(), smaller);
   for (;;) {
     Known known;
     double size = 0;
-    for (const Piece& p : pieces) {
+    for (const IntegrationPiece& p : pieces) {
       known.value += p.value;
       known.error += p.error;
       size += p.size;
@@ -39,14 +39,14 @@ Known refined(std::vector<Piece> pieces, int most, const Evaluate& evaluate, con
     if (evaluations >= most || !(known.error > tolerance * size)) return known;
     // A tenth of them at once: the sums cost as much as the pieces.
     const std::size_t batch = 1 + pieces.size() / 10;
-    std::vector<Piece> worst;
+    std::vector<IntegrationPiece> worst;
     for (std::size_t i = 0; i < batch; ++i) {
       std::pop_heap(pieces.begin(), pieces.end(), smaller);
       worst.push_back(pieces.back());
       pieces.pop_back();
     }
-    for (const Piece& p : worst)
-      for (Piece part : cut(p)) {
+    for (const IntegrationPiece& p : worst)
+      for (IntegrationPiece part : cut(p)) {
         evaluate(part);
         ++evaluations;
         pieces.push_back(part);

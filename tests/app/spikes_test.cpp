@@ -125,10 +125,10 @@ class Spikes : public test::InFolder {
         expect(r, displacement(r), area, name("prescribed displacement"));
         expect(r, force(r), 0, name("reaction to displacement"));
       }
-      crack(even, width, 0.5 * in(random)-0.25, name("crack pressure"));
+      crack(even, width, 0.5 * in(random) - 0.25, name("crack pressure"));
     }
   }
-  /// In a body 32 times as long as the crack, [Tada 2000]: K_I = int p sqrt((a + x)/(a - x)) dx/sqrt(pi a).
+  /// In a body 32 times as long as the crack: K_I = int p sqrt((a + x)/(a - x)) dx/sqrt(pi a).
   void crack(bool even, double width, double at, const std::string& what) {
     constexpr double a = 0.5, box = 16;
     const std::string text = fmt::format(R"([domain]
@@ -137,7 +137,7 @@ sides = ["below", "right", "above", "left"]
 [[crack]]
 name = "c"
 path = [[-{1}, 0], [{1}, 0]]
-type = "open"
+contact = "open"
 pressure = "{2}"
 [material]
 young = 1000
