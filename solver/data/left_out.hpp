@@ -11,6 +11,9 @@ namespace kerf {
 Vec2 left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y, const std::array<Interval, 2>& range,
                         double enough);
 
+/// Whether anything is known of all derivatives of both components there, however large: a finer look may settle f.
+bool has_derivatives(const Enclosure& f, const Interval& x, const Interval& y);
+
 /// A polynomial of degree 7 differs on a piece of this length from f by at most this, |f^(8)|/8! <= eighth: its values
 /// at Chebyshev's points [theory: D.2].
 double left_by_interpolation(double eighth, double length);

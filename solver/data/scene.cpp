@@ -95,25 +95,29 @@ std::vector<UnseenData> unseen_data(const Mesh& mesh, const Scene& scene, const 
     add_unseen(
         mesh, c.values, false, [&](std::size_t j) { return mesh.cracks[c.crack][j].edge; },
         {.at = {}, .what = "the pressure in a crack", .how = "", .crack = c.crack}, all);
-  const auto add_worst = [&](std::size_t count, const char* what, const auto& error_if_open) {
-    double worst = 0;
-    std::optional<UnseenData> found;
-    for (std::size_t t = 0; t < count; ++t) {
-      const double error = error_if_open(t);
-      if (!(error > worst)) continue;
-      worst = error;
-      found = UnseenData{none, centroid(mesh, static_cast<Index>(t)), what, "is not resolved"};
+  const auto add_worst = [&](std::size_t count, const char* what, const auto& how, const auto& error) {
+    for (const bool open : {true, false}) {
+      double worst = -1;
+      std::optional<UnseenData> found;
+      for (std::size_t t = 0; t < count; ++t) {
+        if (how(t) != (open ? Resolution::Open : Resolution::Sampled) || error(t) <= worst) continue;
+        worst = error(t);
+        found = UnseenData{none, centroid(mesh, static_cast<Index>(t)), what,
+                           open ? "is not resolved" : "is known at sampled points only", open};
+      }
+      if (found) all.push_back(*found);
+      if (found) return;
     }
-    if (found) all.push_back(*found);
   };
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
     if (has_gap(scene.laws[c])) add_unseen_gap(mesh, scene.laws[c], static_cast<Index>(c), all);
   if (scene.body)
-    add_worst(data.body.size(), "the body force",
-              [&](std::size_t t) { return data.body[t].how == Resolution::Open ? data.body[t].error : 0; });
-  add_worst(data.strain.how.size(), "the eigenstrain", [&](std::size_t t) {
-    return data.strain.how[t] == Resolution::Open ? data.strain.error[static_cast<Eigen::Index>(t)] : 0;
-  });
+    add_worst(
+        data.body.size(), "the body force", [&](std::size_t t) { return data.body[t].how; },
+        [&](std::size_t t) { return data.body[t].error; });
+  add_worst(
+      data.strain.how.size(), "the eigenstrain", [&](std::size_t t) { return data.strain.how[t]; },
+      [&](std::size_t t) { return data.strain.error[static_cast<Eigen::Index>(t)]; });
   return all;
 }
 

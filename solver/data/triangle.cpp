@@ -15,8 +15,8 @@ namespace kerf {
 namespace {
 
 constexpr int kept_degree = 4;
-constexpr double narrow = 1e-9;  // of the largest value
-constexpr int left_degree = 7;   // of the polynomials of left_by_polynomial
+constexpr double narrow = 1e-9, agreed = 1e-6;  // of the largest value
+constexpr int left_degree = 7;                  // of the polynomials of left_by_polynomial
 
 using Vertices = std::array<Vec2, 3>;
 
@@ -53,9 +53,9 @@ double better(double difference, double size) {
   return size > 0 ? difference * difference / size : 0;
 }
 
-double allowed(const std::array<Interval, 2>& range, double size) {
+double largest_of(const std::array<Interval, 2>& range, double size) {
   for (const Interval& r : range) size = std::max({size, std::abs(r.low), std::abs(r.high)});
-  return narrow * size;
+  return size;
 }
 
 struct Cell {
@@ -67,6 +67,10 @@ struct Cell {
   std::array<Interval, 2> rim_range{};  // on the rim of the cell, this share of the triangle
   double rim = 0;
   bool settled = false, smooth = true;
+  bool sampled = false;              // settled by points
+  Vec2 left = Vec2::Zero();          // by a polynomial that is as good as its values, of each component
+  std::array<bool, 2> polynomial{};  // there is one, better than the range
+  double rim_error = 0;
 };
 
 class TriangleIntegration {
@@ -83,7 +87,7 @@ class TriangleIntegration {
     if (cells_[0].settled) {
       result.error = cells_[0].error;
       if (cells_[0].rim > 0) result.rest = cells_[0].rim * std::pow(width_of(cells_[0].rim_range), 2);
-      result.how = f_.known() ? Resolution::Proved : Resolution::Sampled;
+      result.how = f_.known() && !cells_[0].sampled ? Resolution::Proved : Resolution::Sampled;
       return result;
     }
     refine();
@@ -171,14 +175,47 @@ class TriangleIntegration {
       c.error = infinity;
       return;
     }
-    const Vec2 left = left_by_polynomial(*f_.known(), x, y, c.range, allowed(c.range, size_));
-    c.settled = left.maxCoeff() <= allowed(c.range, size_);
+    // What the whole triangle keeps as it is need not be as exact as what is projected piece by piece.
+    const double size = largest_of(c.range, size_), enough = (cells_.empty() ? agreed : narrow) * size;
+    const Vec2 left = left_by_polynomial(*f_.known(), x, y, c.range, narrow * size);
+    c.settled = left.maxCoeff() <= enough;
     c.error = c.area * left.sum() + rim_error;
     // The first cell's values are wanted at the points of the rule in any case.
-    take_values(c, cells_.empty() ? rule_ : c.settled ? exact_rule() : coarse_rule());
+    c.left = left;
+    for (int d = 0; d < 2; ++d) c.polynomial[d] = c.settled || left[d] < width_of(c.range[static_cast<std::size_t>(d)]);
+    take_values(c, cells_.empty() ? rule_ : c.polynomial[0] || c.polynomial[1] ? exact_rule() : coarse_rule());
+    c.rim_error = rim_error;
+    if (!c.settled && !has_derivatives(*f_.known(), x, y)) settle_by_samples(c);
+  }
+  /// Derivatives say nothing, or do not come to an end: what two rules agree on is taken, and is no proof.
+  void settle_by_samples(Cell& c) const {
+    if (c.settled || !c.smooth) return;
+    const double size = largest_of(c.range, size_);
+    const std::optional<double> difference = agreement(c, size);
+    if (!difference) return;
+    c.settled = c.sampled = true;
+    c.error = c.area * better(*difference, size) + c.rim_error;
+    take_values(c, rule_);
+  }
+  /// What two rules differ by, where the range of each component is hardly wider than the
+  /// values at points, and they agree. That is no proof.
+  std::optional<double> agreement(const Cell& c, double size) const {
+    constexpr double beyond = 8;
+    const Points at = values(rule_, c.corners), coarse = values(coarse_rule(), c.corners);
+    const Vec2 difference = (at * rule_.w - coarse * coarse_rule().w).cwiseAbs();
+    for (int d = 0; d < 2; ++d) {
+      const double seen = coarse.row(d).maxCoeff() - coarse.row(d).minCoeff(),
+                   width = c.range[static_cast<std::size_t>(d)].high - c.range[static_cast<std::size_t>(d)].low;
+      if (width > narrow * size && (width > beyond * seen || difference[d] > agreed * size)) return std::nullopt;
+    }
+    return difference.sum();
+  }
+
+  static double width_of(const Interval& range) {
+    return range.high - range.low;
   }
   static double width_of(const std::array<Interval, 2>& range) {
-    return range[0].high - range[0].low + (range[1].high - range[1].low);
+    return width_of(range[0]) + width_of(range[1]);
   }
   // Without a rim as thin as the numbers allow.
   static Interval inner(const Interval& all) {
@@ -196,9 +233,15 @@ class TriangleIntegration {
   }
 
   void refine() {
-    constexpr int most = 400;                       // looks at a cell
+    constexpr int most = 400, proofs = 40;  // looks at a cell, and those that wait for a proof
+    bool waits = true;
     constexpr double small = 1e-7, finest = 1e-12;  // the latter a share of the area
     while (evaluations_ < most) {
+      if (waits && evaluations_ > proofs) {
+        waits = false;
+        if (f_.known())
+          for (Cell& c : cells_) settle_by_samples(c);
+      }
       std::size_t worst = cells_.size();
       double open = 0;
       for (std::size_t i = 0; i < cells_.size(); ++i) {
@@ -211,6 +254,10 @@ class TriangleIntegration {
       const auto four = quarters(c);
       cells_[worst] = cell(four[0]);
       for (std::size_t k = 1; k < 4; ++k) cells_.push_back(cell(four[k]));
+      if (!waits && f_.known()) {
+        settle_by_samples(cells_[worst]);
+        for (std::size_t k = 1; k < 4; ++k) settle_by_samples(cells_[cells_.size() - k]);
+      }
     }
   }
 
@@ -240,16 +287,20 @@ class TriangleIntegration {
         result.rest += c.rim * std::pow(std::max(std::abs(c.rim_range[d].low - seen.row(d).minCoeff()),
                                                  std::abs(c.rim_range[d].high - seen.row(d).maxCoeff())),
                                         2);
-      if (c.settled || !f_.known()) {
-        result.rest += c.area * rest.colwise().squaredNorm().dot((*c.rule).w.transpose());
-        continue;
+      for (int d = 0; d < 2; ++d) {
+        if (c.settled || !f_.known() || c.polynomial[static_cast<std::size_t>(d)]) {
+          const double seen_rest = std::sqrt(rest.row(d).cwiseAbs2().dot(c.rule->w.transpose()));
+          result.rest += c.area * std::pow(seen_rest + (c.sampled ? 0 : c.left[d]), 2);
+        } else {
+          const Interval& range = c.range[static_cast<std::size_t>(d)];
+          result.rest += c.area * std::pow(std::max(std::abs(range.low - seen.row(d).minCoeff()),
+                                                    std::abs(range.high - seen.row(d).maxCoeff())),
+                                           2);
+        }
       }
-      for (int d = 0; d < 2; ++d)
-        result.rest += c.area * std::pow(std::max(std::abs(c.range[d].low - seen.row(d).minCoeff()),
-                                                  std::abs(c.range[d].high - seen.row(d).maxCoeff())),
-                                         2);
     }
-    result.how = open ? Resolution::Open : f_.known() ? Resolution::Proved : Resolution::Sampled;
+    const bool sampled = !f_.known() || std::ranges::any_of(cells_, &Cell::sampled);
+    result.how = open ? Resolution::Open : sampled ? Resolution::Sampled : Resolution::Proved;
   }
 
   const VectorField& f_;
@@ -278,7 +329,7 @@ void prove(const Enclosure& f, const Triangle& cell, double size, TriangleValues
     holding(y, corner.y() - beyond, corner.y() + beyond);
   }
   const std::array<Interval, 2> range = f.over(x, y);
-  const double enough = allowed(range, size);
+  const double enough = agreed * largest_of(range, size);
   const Vec2 left = left_by_polynomial(f, x, y, range, enough);
   if (!(left.maxCoeff() <= enough)) return;
   v.error += left.sum();

@@ -125,7 +125,8 @@ class Spikes : public test::InFolder {
         expect(r, displacement(r), area, name("prescribed displacement"));
         expect(r, force(r), 0, name("reaction to displacement"));
       }
-      crack(even, width, 0.5 * in(random) - 0.25, name("crack pressure"));
+      const double place = in(random);
+      crack(even, width, 0.5 * place - 0.25, name("crack pressure"));
     }
   }
   /// In a body 32 times as long as the crack: K_I = int p sqrt((a + x)/(a - x)) dx/sqrt(pi a).

@@ -230,11 +230,14 @@ TEST_F(Truth, OrthotropicBodiesHaveTheOtherFunctionals) {
     EXPECT_TRUE(std::isfinite(value(fmt::format("[functional]\n{}\n", j)))) << j;
 }
 
-TEST_F(Truth, FrictionInOrthotropicBodiesHasNoFactors) {
-  const json r = run_scene(wood + plate + crack + "friction = 0.3\n");
-  EXPECT_EQ(r["status"], "ok");
-  EXPECT_TRUE(r["cracks"][0]["tips"][0]["K_I"].is_null());
-  EXPECT_NE(r["state"]["notes"].dump().find("friction"), std::string::npos);
+// In one material the power at the tip stays 1/2 under friction, which does not push faces on (K to .1 %).
+TEST_F(Truth, FrictionInOrthotropicBodiesHoldsFacesBack) {
+  const json sliding = run_scene(wood + plate + crack), held = run_scene(wood + plate + crack + "friction = 0.3\n");
+  EXPECT_EQ(held["status"], "ok");
+  for (int tip = 0; tip < 2; ++tip) {
+    const auto K_II = [&](const json& r) { return r["cracks"][0]["tips"][tip]["K_II"].get<double>(); };
+    EXPECT_LE(std::abs(K_II(held)), std::abs(K_II(sliding)) * 1.002);
+  }
 }
 
 TEST_F(Truth, OrthotropicConstantsAreChecked) {
