@@ -264,6 +264,7 @@ CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Jo
   for (const std::string& note : notes_on_data(coarse.mesh, c.scene, coarse.inner->data, c.shape))
     s.notes.push_back(note);
   if (const std::string odd = implausible(c.units, c.young); !odd.empty()) s.notes.push_back(odd);
+  if (const std::string note = note_on_drawing(c, coarse); !note.empty()) s.notes.push_back(note);
   const std::vector<std::string> about_mesh = notes_on_files(c);
   s.notes.insert(s.notes.end(), about_mesh.begin(), about_mesh.end());
   for (const std::string& note : notes_on_size(found.strain, found.displacement, extent(c.shape)))

@@ -203,6 +203,12 @@ std::string chords_may_cost(const Element& e) {
 
 }  // namespace
 
+std::string note_on_drawing(const Case& c, const Model& model) {
+  if (!is_of_polygon(c.shape, model.mesh) || c.why_chords.empty()) return {};
+  return fmt::format("curved sides are drawn by chords, because {}: the largest stress on them {}", c.why_chords,
+                     chords_may_cost(model.element));
+}
+
 StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
@@ -223,9 +229,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
     s.state.notes.push_back(note);
   for (const std::string& note : notes_on_faces(s.cracks)) s.state.notes.push_back(note);
-  if (s.state.of_polygon && !c.why_chords.empty())
-    s.state.notes.push_back(fmt::format("curved sides are drawn by chords, because {}: the largest stress on them {}",
-                                        c.why_chords, chords_may_cost(model.element)));
+  if (const std::string note = note_on_drawing(c, model); !note.empty()) s.state.notes.push_back(note);
   // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
   const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
   const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet

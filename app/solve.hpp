@@ -36,6 +36,8 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks);
 
 /// Whether chords stand for curved sides, so that what is bounded is of the polygon.
 bool is_of_polygon(const Shape& shape, const Mesh& mesh);
+/// That chords are drawn where nothing asks for them, why, and what that may cost; empty: they are not.
+std::string note_on_drawing(const Case& c, const Model& model);
 
 /// That nothing acts on the body, where that is certain: what it would need. Empty otherwise.
 std::string note_on_loads(const Scene& scene, const Shape& shape);

@@ -15,8 +15,8 @@ namespace kerf {
 namespace {
 
 constexpr int kept_degree = 4;
-constexpr double narrow = 1e-9, agreed = 1e-6;  // of the largest value
-constexpr int left_degree = 7;                  // of the polynomials of left_by_polynomial
+constexpr double narrow = 1e-9, agreed = 1e-8, rules_agree = 1e-6;  // of the largest value
+constexpr int left_degree = 7;                                      // of the polynomials of left_by_polynomial
 
 using Vertices = std::array<Vec2, 3>;
 
@@ -183,7 +183,7 @@ class TriangleIntegration {
     // The first cell's values are wanted at the points of the rule in any case.
     c.left = left;
     for (int d = 0; d < 2; ++d) c.polynomial[d] = c.settled || left[d] < width_of(c.range[static_cast<std::size_t>(d)]);
-    take_values(c, cells_.empty() ? rule_ : c.polynomial[0] || c.polynomial[1] ? exact_rule() : coarse_rule());
+    take_values(c, cells_.empty() ? rule_ : c.polynomial[0] || c.polynomial[1] ? exact_rule() : rule_);
     c.rim_error = rim_error;
     if (!c.settled && !has_derivatives(*f_.known(), x, y)) settle_by_samples(c);
   }
@@ -206,7 +206,7 @@ class TriangleIntegration {
     for (int d = 0; d < 2; ++d) {
       const double seen = coarse.row(d).maxCoeff() - coarse.row(d).minCoeff(),
                    width = c.range[static_cast<std::size_t>(d)].high - c.range[static_cast<std::size_t>(d)].low;
-      if (width > narrow * size && (width > beyond * seen || difference[d] > agreed * size)) return std::nullopt;
+      if (width > narrow * size && (width > beyond * seen || difference[d] > rules_agree * size)) return std::nullopt;
     }
     return difference.sum();
   }
@@ -233,7 +233,7 @@ class TriangleIntegration {
   }
 
   void refine() {
-    constexpr int most = 400, proofs = 40;  // looks at a cell, and those that wait for a proof
+    constexpr int most = 400, proofs = 120;  // looks at a cell, and those that wait for a proof
     bool waits = true;
     constexpr double small = 1e-7, finest = 1e-12;  // the latter a share of the area
     while (evaluations_ < most) {

@@ -91,8 +91,10 @@ TEST_F(MapRun, ErrorBarsEncloseTheValues) {
 TEST_F(MapRun, SaysHowFarTheFirstTermReaches) {
   const json r = run_text("[map]\nsecond = true\npoints = [[0.15, 0.45], [3, 3]]\n", Job::Map);
   const json& p = r["map"]["points"][0];
-  EXPECT_NEAR(p["valid_radius"].get<double>(),
-              std::sqrt(0.05 * std::abs(p["value"].get<double>() / p["c2"].get<double>())), 1e-12);
+  // No farther than the second term says; less where that is not known well, or a feature is near.
+  const double by_second = std::sqrt(0.05 * std::abs(p["value"].get<double>() / p["c2"].get<double>()));
+  EXPECT_LE(p["valid_radius"].get<double>(), by_second * (1 + 1e-12));
+  EXPECT_GT(p["valid_radius"].get<double>(), 0.5 * by_second);
   EXPECT_TRUE(r["map"]["points"][1]["c2"].is_null());
   const std::vector<std::string> rows = lines("map.csv");
   EXPECT_EQ(rows[0], "x,y,topological_derivative,c2,valid_radius,masked");

@@ -97,8 +97,9 @@ class PetscRun : public kerf::test::InFolder {
               const std::string& more = {}) const {
     const std::string out = fmt::format("out_{}_{}", backend, count);
     const Outcome o =
-        kerf(count, fmt::format("{} a.toml -o {} --force --threads 1 --quiet --set 'solver.backend=\"{}\"' {}", command,
-                                out, backend, more));
+        kerf(count, fmt::format("{} a.toml -o {} --force --threads 1 --quiet --set 'solver.backend=\"{}\"' --set "
+                                "output.margins=false {}",
+                                command, out, backend, more));
     EXPECT_EQ(o.code, 0) << o.said;
     return json::parse(std::ifstream(folder / out / "result.json"));
   }
@@ -178,7 +179,7 @@ name = "tall"
 path = [[0.92, 0.1], [0.9, 0.7]]
 contact = "open"
 )");
-  const std::string coarse = "--set mesh.size=0.1 --set mesh.crack_tip_size=0.05";
+  const std::string coarse = "--set mesh.size=0.1 --set mesh.crack_tip_size=0.05 --set mesh.curved=false";
   const json r = result(4, "petsc", "solve", coarse);
   expect_same_state(r, result(0, "cholmod", "solve", coarse), "contrast");
   EXPECT_LE(r["state"]["solver"]["iterations"], 30);

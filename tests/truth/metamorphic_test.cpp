@@ -185,7 +185,8 @@ TEST_F(Metamorphic, EnergiesChangeAsTheyMust) {
       const nlohmann::json r = solve(scene, c, 0.3);
       const double f = std::pow(c.load * c.length, 2), e = r["state"]["energy"].get<double>() / f;
       if (c.same_mesh) {
-        EXPECT_NEAR(e, energy, 1e-7 * std::abs(energy));
+        // A force that jumps is known to 1e-7 in each triangle, in both runs; the energy is of its square.
+        EXPECT_NEAR(e, energy, 4e-7 * std::abs(energy));
       }
       const Interval b = bounds_of(r, c);
       if (!b.known()) continue;

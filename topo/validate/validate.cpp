@@ -188,6 +188,8 @@ class Validating {
   void say_again(const Site& site) {
     Validation& v = results_[site.number];
     if (v.verdict != Verdict::Fails) return;
+    // T fits, the second term does not: its share is less at smaller radii, which cannot tell.
+    if (std::abs(v.intercept - v.coefficient) <= v.plateau * std::abs(v.coefficient)) return;
     constexpr double smaller = 0.1;
     ValidationRequest request = r_;
     request.points = {site.at};
