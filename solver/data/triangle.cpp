@@ -183,7 +183,7 @@ class TriangleIntegration {
     // The first cell's values are wanted at the points of the rule in any case.
     c.left = left;
     for (int d = 0; d < 2; ++d) c.polynomial[d] = c.settled || left[d] < width_of(c.range[static_cast<std::size_t>(d)]);
-    take_values(c, cells_.empty() ? rule_ : c.polynomial[0] || c.polynomial[1] ? exact_rule() : rule_);
+    take_values(c, cells_.empty() ? rule_ : c.polynomial[0] || c.polynomial[1] ? exact_rule() : coarse_rule());
     c.rim_error = rim_error;
     if (!c.settled && !has_derivatives(*f_.known(), x, y)) settle_by_samples(c);
   }
