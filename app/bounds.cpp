@@ -1,3 +1,5 @@
+// The intervals that [bounds], probes and mesh.adapt ask for, their notes, and what contradicts them.
+
 #include "app/bounds.hpp"
 
 #include "geometry/curved.hpp"

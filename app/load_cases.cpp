@@ -1,3 +1,5 @@
+// The rows of load cases: each solved on the mesh of the state, in the order of names.
+
 #include "app/load_cases.hpp"
 
 #include "app/margins.hpp"

@@ -13,6 +13,7 @@ using Kind = SyntaxNode::Kind;
 struct Variables {
   std::array<Taylor, 4> of;
   int order;
+  Taylor stretch = {};  // along a curved edge |dx/ds| over the length of the chord
 };
 
 /// What f(x + t h) has along all steps h from all places of a box; where a normal is asked for, the whole line.
@@ -74,6 +75,7 @@ Variables on_piece(const EdgeLine& edge, double from, double to, int order) {
   if (!edge.is_straight()) {
     const OnCurve c = on_curve(edge, from, to, order);
     v.of = {c.x[0], c.x[1], c.n[0], c.n[1]};
+    v.stretch = c.stretch;
     return v;
   }
   for (int d = 0; d < 2; ++d) {
@@ -454,9 +456,7 @@ ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLin
   Evaluation low(*syntax, at_low), high(*syntax, at_high), values(*syntax, here, low, high);
   const bool straight = edge.is_straight();
   const Taylor f =
-      straight || !edge.density
-          ? values.root()
-          : TaylorArithmetic(taylor_order).multiply(values.root(), on_curve(edge, from, to, taylor_order).stretch);
+      straight || !edge.density ? values.root() : TaylorArithmetic(taylor_order).multiply(values.root(), here.stretch);
   ScalarOnPiece piece{f.c[0], eighth_of(f), std::nullopt, std::nullopt};
   if (std::isfinite(piece.eighth)) return piece;
   // As narrow as the numbers of places allow, about a cut: one branch or the other, which the range of all of them

@@ -199,7 +199,7 @@ class WorkOfBody {
     constexpr double narrow = 1e-12;
     double largest = 0;
     for (const Interval& of : range) largest = std::max({largest, std::abs(of.low), std::abs(of.high)});
-    const Vec2 left = left_by_polynomial(*f_.known(), x, y, range, narrow * largest);
+    const Vec2 left = left_by_polynomial(*f_.known(), x, y, range, narrow * largest).of;
     for (int d = 0; d < 2; ++d)
       if (sum.field[d] > 0) p.error += sum.field[d] * left[d];
   }

@@ -16,20 +16,16 @@ Interval steps(const Interval& of) {
 
 }  // namespace
 
-Vec2 left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y, const std::array<Interval, 2>& range,
-                        double enough) {
-  Vec2 left(range[0].high - range[0].low, range[1].high - range[1].low);
+LeftOut left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y,
+                           const std::array<Interval, 2>& range, double enough) {
+  LeftOut left{{range[0].high - range[0].low, range[1].high - range[1].low}};
   for (const int order : {4, 8}) {  // the lower one is three times as fast
-    if (left.maxCoeff() <= enough) break;
+    if (left.of.maxCoeff() <= enough) break;
     const std::array<double, 2> rest = f.remainder(x, y, steps(x), steps(y), order);
-    left = left.cwiseMin(Vec2(2 * rest[0], 2 * rest[1]));
+    left.of = left.of.cwiseMin(Vec2(2 * rest[0], 2 * rest[1]));
+    left.rough = !(std::isfinite(rest[0]) && std::isfinite(rest[1]));
   }
   return left;
-}
-
-bool has_derivatives(const Enclosure& f, const Interval& x, const Interval& y) {
-  const std::array<double, 2> rest = f.remainder(x, y, steps(x), steps(y), 8);
-  return std::isfinite(rest[0]) && std::isfinite(rest[1]);
 }
 
 double left_by_interpolation(double eighth, double length) {

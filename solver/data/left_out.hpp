@@ -5,14 +5,16 @@
 
 namespace kerf {
 
-/// Of each component over a box at most: twice its distance from a polynomial of degree 7 in the place (Taylor's, about
+struct LeftOut {
+  Vec2 of;  // of each component
+  /// Nothing is known of a derivative: a finer look may not settle f.
+  bool rough = false;
+};
+/// Over a box at most: twice the distance of each component from a polynomial of degree 7 in the place (Taylor's, about
 /// the middle of the box), or the width of its range, which is `range`; no better than `enough`. What a rule makes of
 /// the rest, and the rest itself, are together at most this times the sum of the weights [theory: D.4].
-Vec2 left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y, const std::array<Interval, 2>& range,
-                        double enough);
-
-/// Whether anything is known of all derivatives of both components there, however large: a finer look may settle f.
-bool has_derivatives(const Enclosure& f, const Interval& x, const Interval& y);
+LeftOut left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y,
+                           const std::array<Interval, 2>& range, double enough);
 
 /// A polynomial of degree 7 differs on a piece of this length from f by at most this, |f^(8)|/8! <= eighth: its values
 /// at Chebyshev's points [theory: D.2].

@@ -40,17 +40,19 @@ class OverFace {
   }
   struct Sum {
     double value = 0, size = 0, field = 0;
+    void add(double weight, double pressure) {
+      value += weight * pressure;
+      size += std::abs(weight * pressure);
+      field += std::abs(weight);
+    }
   };
   /// dr/sqrt(r) = 2 d sqrt(r).
   Sum by(const EdgeRule& rule, const IntegrationPiece& p) const {
     Sum sum;
     const double low = std::sqrt(radius(p.from[0])), high = std::sqrt(radius(p.to[0]));
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const double r = std::pow(low + rule.s[q] * (high - low), 2), weight = 2 * rule.w[q] * (high - low) * w_(r),
-                   work = weight * p_(at(r), face_.n).x();
-      sum.value += work;
-      sum.size += std::abs(work);
-      sum.field += std::abs(weight);
+      const double r = std::pow(low + rule.s[q] * (high - low), 2);
+      sum.add(2 * rule.w[q] * (high - low) * w_(r), p_(at(r), face_.n).x());
     }
     return sum;
   }
@@ -88,11 +90,8 @@ class OverFace {
         Sum all;
         const EdgeRule rule = gauss_jacobi(exponent, points);
         for (int q = 0; q < points; ++q) {
-          const double r = std::pow(rule.s[q], 2) * to, weight = 2 * rule.w[q] * std::sqrt(to) * scale * w_(r),
-                       work = weight * part(r / length_);
-          all.value += work;
-          all.size += std::abs(work);
-          all.field += std::abs(weight);
+          const double r = std::pow(rule.s[q], 2) * to;
+          all.add(2 * rule.w[q] * std::sqrt(to) * scale * w_(r), part(r / length_));
         }
         return all;
       };

@@ -177,7 +177,7 @@ class TriangleIntegration {
     }
     // What the whole triangle keeps as it is need not be as exact as what is projected piece by piece.
     const double size = largest_of(c.range, size_), enough = (cells_.empty() ? agreed : narrow) * size;
-    const Vec2 left = left_by_polynomial(*f_.known(), x, y, c.range, narrow * size);
+    const auto [left, rough] = left_by_polynomial(*f_.known(), x, y, c.range, narrow * size);
     c.settled = left.maxCoeff() <= enough;
     c.error = c.area * left.sum() + rim_error;
     // The first cell's values are wanted at the points of the rule in any case.
@@ -185,7 +185,7 @@ class TriangleIntegration {
     for (int d = 0; d < 2; ++d) c.polynomial[d] = c.settled || left[d] < width_of(c.range[static_cast<std::size_t>(d)]);
     take_values(c, cells_.empty() ? rule_ : c.polynomial[0] || c.polynomial[1] ? exact_rule() : coarse_rule());
     c.rim_error = rim_error;
-    if (!c.settled && !has_derivatives(*f_.known(), x, y)) settle_by_samples(c);
+    if (rough) settle_by_samples(c);
   }
   /// Derivatives say nothing, or do not come to an end: what two rules agree on is taken, and is no proof.
   void settle_by_samples(Cell& c) const {
@@ -330,7 +330,7 @@ void prove(const Enclosure& f, const Triangle& cell, double size, TriangleValues
   }
   const std::array<Interval, 2> range = f.over(x, y);
   const double enough = agreed * largest_of(range, size);
-  const Vec2 left = left_by_polynomial(f, x, y, range, enough);
+  const Vec2 left = left_by_polynomial(f, x, y, range, enough).of;
   if (!(left.maxCoeff() <= enough)) return;
   v.error += left.sum();
   v.how = Resolution::Proved;
