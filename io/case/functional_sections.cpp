@@ -60,6 +60,21 @@ struct Reader {
     return given ? scalar(*given) : ScalarField{};
   }
 
+  /// What is known of these keys of the table, as far as it has them, for the integrals of a term over body and crack.
+  void tell(Term& term, const Value& table, std::initializer_list<const char*> keys) const {
+    for (const char* key : keys) {
+      const auto given = find(table, key);
+      if (!given) continue;
+      const bool pair = given->node->kind == Node::Kind::Array;
+      const std::array<Formula, 2> parts =
+          pair ? formulas(*given, definitions, false) : std::array{formula(*given, definitions, false), nothing()};
+      if (term.on_crack)
+        term.varies_along.push_back(vector_field(parts[0], parts[1]));
+      else
+        term.varies.push_back(body_field(parts[0], parts[1]));
+    }
+  }
+
   /// A crack with faces, by its name.
   Index crack(const Value& table) const {
     const Value field = need(table, "crack");
@@ -82,10 +97,19 @@ struct Reader {
   std::vector<Term> boundary_terms(const Value& table, const char* key, decltype(boundary_tracking)& made) const {
     const std::vector<Index> labels = find_labels(need(table, "on"), c.shape);
     const auto pair = formulas(need(table, key), definitions);
+    const BoundaryField field = vector_field(pair[0], pair[1]);
+    std::vector<BoundaryField> varies{field};
     BoundaryWeight weight;
-    if (const auto given = find(table, "weight")) weight = formula(*given, definitions).value;
+    if (const auto given = find(table, "weight")) {
+      const Formula factor = formula(*given, definitions);
+      weight = factor.value;
+      varies.push_back(vector_field(factor, nothing()));
+    }
     std::vector<Term> terms;
-    for (const Index label : labels) terms.push_back(made(label, vector_field(pair[0], pair[1]), weight));
+    for (const Index label : labels) {
+      terms.push_back(made(label, field, weight));
+      terms.back().varies_along = varies;
+    }
     return terms;
   }
 
@@ -154,6 +178,13 @@ struct Reader {
   }
 
   std::vector<Term> terms(const Value& table, const std::string& kind) const {
+    std::vector<Term> made = bare_terms(table, kind);
+    for (Term& term : made)
+      if (term.density || term.on_crack) tell(term, table, {"weight", "target"});
+    return made;
+  }
+
+  std::vector<Term> bare_terms(const Value& table, const std::string& kind) const {
     if (kind == "energy") return {energy()};
     if (kind == "compliance") return {compliance()};
     if (kind == "volume") return {volume()};

@@ -178,6 +178,36 @@ TEST_F(Spikes, ANarrowPressureInACrackIsSeenByItsBounds) {
   EXPECT_EQ(withdrawn, 0);
 }
 
+// Under unit tension u = (x, -nu y) and the von Mises stress is 1.
+TEST_F(Spikes, FunctionalsSeeTheirWeightsOrSaySo) {
+  std::mt19937 random(20261129);
+  std::uniform_real_distribution<double> in(0.1, 0.9);
+  int silent = 0;
+  for (const double width : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    const double x = 2 * in(random), y = in(random), u_y = nu * nu * (y * y + 0.5 * width * width),
+                 u_x = x * x + 0.5 * width * width;
+    const std::string across = spike("y", y, width, true, 1), point = across + "*" + spike("x", x, width, true, 1);
+    const auto see = [&](const std::string& functional, const std::string& weight, double truth) {
+      const nlohmann::json r =
+          result_of(plate(fmt::format("[[boundary]]\non = \"right\"\ntraction = [1, 0]\n[functional]\n{}\nweight = "
+                                      "\"{}\"\n",
+                                      functional, weight)));
+      const double off = std::abs(r["functional"]["value"].get<double>() / truth - 1);
+      constexpr double much = 0.01;
+      const bool noted = r.dump().find("varies too quickly") != std::string::npos;
+      EXPECT_TRUE(off < much || noted) << functional << " " << width << " " << r["functional"];
+      if (!noted) ++silent;
+    };
+    see("kind = \"displacement\"\non = \"right\"\ndirection = [1, 0]", across, 2);
+    see("kind = \"boundary_tracking\"\non = \"right\"\ntarget = [0, 0]", across, 0.5 * (4 + u_y));
+    see("kind = \"displacement_tracking\"\ntarget = [0, 0]", point, 0.5 * (u_x + u_y));
+    see("kind = \"displacement_tracking\"\ntarget = [0, 0]", across, 0.5 * (8 / 3.0 + 2 * u_y));
+    see("kind = \"stress_power\"\np = 2", point, 1);
+    see("kind = \"stress_pnorm\"\np = 3", point, 1);
+  }
+  EXPECT_GE(silent, 10);  // along edges all is seen
+}
+
 TEST_F(Spikes, ForcesInASmallDiscAreSeenByStatics) {
   const nlohmann::json r =
       result_of(plate("[body]\nforce = [\"(x - 1.55)^2 + (y - 0.45)^2 < 0.0009 ? -2000 : 1000*(y - 0.5)\", 0]"));

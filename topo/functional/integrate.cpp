@@ -2,6 +2,7 @@
 #include "kerf/adjoint.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
+#include "topo/functional/places.hpp"
 
 #include "geometry/plane.hpp"
 #include "kerf/recover.hpp"
@@ -12,18 +13,6 @@
 #include <numeric>
 
 namespace kerf {
-
-TriangleRule domain_rule(const Model& m) {
-  return triangle_rule(8 + m.element.displacement);
-}
-
-bool wanted(const Term& term, const Triangle& t) {
-  if (!term.somewhere) return true;
-  const Vec2 center = centroid(t);
-  double radius = 0;
-  for (const Vec2& x : t.x) radius = std::max(radius, (x - center).norm());
-  return term.somewhere(center, radius);
-}
 
 namespace {
 
@@ -86,24 +75,22 @@ struct BoundaryPoint {
     return frame_at(skeleton, edge, static_cast<int>(g));
   }
 };
-void along_label(const Model& m, Index label, const std::function<void(const BoundaryPoint&)>& at,
+void along_label(const Term& term, const Model& m, const std::function<void(const BoundaryPoint&)>& at,
                  const Vec2* singular = nullptr) {
   require(m.element, can_integrate_boundaries);
-  const EdgeRule rule = gauss(8);
+  const RulesOfTerm rules(term, m);
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
-    if (m.mesh.label[e] != label) continue;
+    if (m.mesh.label[e] != term.label) continue;
     const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
     const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - a;
     const Vec2 outward = outward_normal(m.mesh, e);
-    const int pieces = singular ? pieces_beside(*singular, a, a + side) : 1;
-    for (int piece = 0; piece < pieces; ++piece)
-      for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-        const double s = (piece + rule.s[q]) / pieces;
-        const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, s);
-        const double speed = p.slope.norm();
-        const Vec2 n = bow_at(m.inner->skeleton.bows, e) ? Vec2(normal_at(p, outward) / speed) : outward;
-        at({p.x, n, speed * rule.w[q] / pieces, e, trace_basis(m.inner->kernel.trace, s), m.inner->skeleton});
-      }
+    const EdgeRule rule = rules.along(e, singular ? pieces_beside(*singular, a, a + side) : 1);
+    for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+      const double speed = p.slope.norm();
+      const Vec2 n = bow_at(m.inner->skeleton.bows, e) ? Vec2(normal_at(p, outward) / speed) : outward;
+      at({p.x, n, speed * rule.w[q], e, trace_basis(m.inner->kernel.trace, rule.s[q]), m.inner->skeleton});
+    }
   }
 }
 Vec2 displacement(const BoundaryPoint& p, const Eigen::VectorXd& skeleton) {
@@ -139,10 +126,13 @@ Field sum(const Field& a, const Field& b) {
 }
 
 double over_body(const Term& term, const Model& m, const Field& s, const std::vector<bool>& use) {
-  const TriangleRule rule = domain_rule(m);
+  const TriangleRule usual = domain_rule(m);
+  const RulesOfTerm rules(term, m);
   return sum_over(m, use, [&](Index t) {
     const Triangle shape = triangle(m, t);
     if (!wanted(term, shape)) return 0.0;
+    const std::optional<TriangleRule> cut = rules.cut(t);
+    const TriangleRule& rule = cut ? *cut : usual;
     const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
     const Eigen::VectorXd w = rule_weights(rule, shape);
     double value = 0;
@@ -154,7 +144,7 @@ double over_body(const Term& term, const Model& m, const Field& s, const std::ve
 double on_surfaces(const Term& term, const Model& m, const Field& s) {
   double sum = 0;
   if (term.on_boundary)
-    along_label(m, term.label, [&](const BoundaryPoint& p) {
+    along_label(term, m, [&](const BoundaryPoint& p) {
       if (counts(m, p.edge)) sum += p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value;
     });
   if (term.on_crack)
@@ -230,10 +220,12 @@ double integral(const Term& term, const Model& m, const Field& s) {
 namespace {
 
 // The domain integral over a triangle; its derivative by the interior coefficients goes to `column`.
-double differentiate_on(const Term& term, const Model& m, const Field& s, const TriangleRule& rule, Index t,
-                        Eigen::Ref<Eigen::VectorXd> column) {
+double differentiate_on(const Term& term, const Model& m, const Field& s, const RulesOfTerm& rules,
+                        const TriangleRule& usual, Index t, Eigen::Ref<Eigen::VectorXd> column) {
   const Triangle shape = triangle(m, t);
   if (!wanted(term, shape)) return 0;
+  const std::optional<TriangleRule> cut = rules.cut(t);
+  const TriangleRule& rule = cut ? *cut : usual;
   const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain});
   const Eigen::Index n = rule.w.size();
   const Eigen::VectorXd weight = rule_weights(rule, shape);
@@ -260,7 +252,7 @@ double differentiate_on(const Term& term, const Model& m, const Field& s, const 
 void differentiate_on_surfaces(const Term& term, const Model& m, const Field& s, Sensitivity& d) {
   if (term.on_boundary) {
     d.skeleton.setZero(m.inner->skeleton.total);
-    along_label(m, term.label, [&](const BoundaryPoint& p) {
+    along_label(term, m, [&](const BoundaryPoint& p) {
       const Vec2 by = p.weight * term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).by_displacement;
       for (Eigen::Index g = 0; g < p.basis.size(); ++g)
         d.skeleton.segment<2>(p.first(g)) += p.basis[g] * (p.frame(g).transpose() * by);
@@ -299,9 +291,11 @@ Sensitivity differentiate(const Term& term, const Model& m, const Field& s, doub
   if (term.work) return derivative_of_work(m);
   Sensitivity d;
   if (has_domain_derivative(term)) {
-    const TriangleRule rule = domain_rule(m);
+    const TriangleRule usual = domain_rule(m);
+    const RulesOfTerm rules(term, m);
     d.interior.setZero(interior_count(m.element), static_cast<Eigen::Index>(m.mesh.triangles.size()));
-    over_body = sum_over(m, {}, [&](Index t) { return differentiate_on(term, m, s, rule, t, d.interior.col(t)); });
+    over_body =
+        sum_over(m, {}, [&](Index t) { return differentiate_on(term, m, s, rules, usual, t, d.interior.col(t)); });
   }
   differentiate_on_surfaces(term, m, s, d);
   return d;
@@ -327,7 +321,7 @@ double surface_difference(const Term& term, const Model& m, const Field& s, cons
   if (term.on_boundary || term.on_crack) {
     const Field after = sum(s, change);
     if (term.on_boundary)
-      along_label(m, term.label, [&](const BoundaryPoint& p) {
+      along_label(term, m, [&](const BoundaryPoint& p) {
         total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after.skeleton)).value -
                              term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
       });
@@ -404,10 +398,13 @@ double domain_difference(const Term& term, const Model& m, const Field& s, const
                          const std::vector<bool>& use) {
   double total = 0;
   if (term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation)) {
-    const TriangleRule rule = domain_rule(m);
+    const TriangleRule usual = domain_rule(m);
+    const RulesOfTerm rules(term, m);
     total += sum_over(m, use, [&](Index t) {
       const Triangle shape = triangle(m, t);
       if (!wanted(term, shape)) return 0.0;
+      const std::optional<TriangleRule> cut = rules.cut(t);
+      const TriangleRule& rule = cut ? *cut : usual;
       const Sampled p = sample(term, m, s.interior.col(t), {t, shape, rule_points(rule, shape), s.eigenstrain}),
                     d = sample(term, m, change.interior.col(t), {t, shape, rule_points(rule, shape)});
       return area(shape) * mean_change(term, p, d, rule_weights(rule, shape));
@@ -456,7 +453,7 @@ double difference(const Term& term, const Model& m, const Field& s, const Field&
       total += p.weight * (term.on_boundary(p.x, p.n, displacement(p, after) + more).value -
                            term.on_boundary(p.x, p.n, displacement(p, s.skeleton)).value);
     };
-    along_label(m, term.label, add, &added.center);
+    along_label(term, m, add, &added.center);
   }
   if (term.on_crack) {
     const Field after = sum(s, change);

@@ -57,11 +57,6 @@ int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b);
 /// The part of the integral over the triangles with use[t].
 double integral_over(const Term& term, const Model& model, const Field& state, const std::vector<bool>& use);
 
-/// Where a domain integral looks: data and powers of stresses are no polynomials of low degree.
-TriangleRule domain_rule(const Model& model);
-/// Whether the density may be anything but 0 on a triangle.
-bool wanted(const Term& term, const Triangle& t);
-
 /// d(factor integral^power)/d integral.
 double slope(const Term& term, double integral);
 

@@ -5,6 +5,7 @@
 #include "kerf/recover.hpp"
 #include "solver/polynomial.hpp"
 #include "topo/functional/integrate.hpp"
+#include "topo/functional/places.hpp"
 
 #include <algorithm>
 #include <cmath>
