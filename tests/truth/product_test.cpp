@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numeric>
 #include <random>
 
 namespace kerf::product_test {
@@ -73,6 +74,8 @@ std::vector<Load> loads(bool plane_strain) {
                             "\"one\"\nset = { P = 0.5 }\n[[step]]\nname = \"two\"\nset = { P = 1.0 }\n")}};
 }
 
+constexpr std::size_t load_count = 10;
+
 const std::vector<Part> states{
     {"plane_strain", "young = 1.0\npoisson = 0.3\nstate = \"plane strain\"\n"},
     {"plane_stress", "young = 1.0\npoisson = 0.3\nstate = \"plane stress\"\n"},
@@ -119,6 +122,20 @@ struct Scenery {
     return fmt::format("{} / {} / {} / {}", p.word, acts().word, state.word, where.word);
   }
 };
+
+bool is_clamped(const Scenery& s) {
+  return std::string(s.p.inner) == "clamped";
+}
+std::vector<double> radii_of(const Scenery& s) {
+  const double ratio = is_clamped(s) ? 0.5 : 0.6;
+  return {s.where.radius, ratio * s.where.radius, ratio * ratio * s.where.radius};
+}
+
+// Edges at the tips. The energy of a crack of half length a errs like h/a, its stress to the power 3 like sqrt(h/a).
+double tip_size_of(const Scenery& s) {
+  constexpr double usual = 0.004, share = 1e-3;
+  return std::string(s.p.inner) == "crack" ? share * radii_of(s).back() : usual;
+}
 
 enum class Draws { Nothing, Filled, Changed };
 
@@ -172,7 +189,7 @@ struct Counts {
   int cells = 0, drawn = 0, refused = 0, off = 0;
   int open = 0;  // drawn, and too unsure on these meshes to tell a tenth
   double worst = 0;
-  std::string worst_at, words;
+  std::string worst_at, words, open_words;
   std::map<std::string, int> refusals;
 };
 
@@ -183,25 +200,30 @@ class Product : public Truth {
     std::ofstream(file) << text;
     return read_case(file);
   }
-  std::unique_ptr<Body> solved(const std::string& text) {
+  std::unique_ptr<Body> solved(const std::string& text, double tip_size) {
     auto b = std::make_unique<Body>(Body{read(text), nullptr, {}});
     Sizing sizing = b->c.sizing;
-    sizing.crack_tip_size = 0.004;
-    b->model = std::make_unique<Model>(prepare(triangulate(b->c.shape, sizing), b->c.element, b->c.scene, 2));
+    sizing.crack_tip_size = tip_size;
+    b->model = std::make_unique<Model>(prepare(triangulate(b->c.shape, sizing), b->c.element, b->c.scene, 1));
     b->state = solve(*b->model);
     if (!certified(b->state)) throw Error(Fault::Numerics, "the body could not be solved");
     return b;
   }
 
-  // J of every functional of a drawn body.
-  std::vector<double> values(const Scenery& s, const std::vector<std::size_t>& of, Draws draws, double radius,
-                             double angle) {
+  // J of every functional of a drawn body, and how many triangles it has.
+  struct Values {
     std::vector<double> J;
-    const std::unique_ptr<Body> b = solved(text_of(s, functionals[of[0]], draws, radius, angle));
+    std::size_t triangles;
+  };
+  Values values(const Scenery& s, const std::vector<std::size_t>& of, Draws draws, double radius,
+                             double angle) {
+    Values v;
+    const std::unique_ptr<Body> b = solved(text_of(s, functionals[of[0]], draws, radius, angle), tip_size_of(s));
     for (const std::size_t f : of)
-      J.push_back(
+      v.J.push_back(
           analyze(read(text_of(s, functionals[f], draws, radius, angle)).functional, *b->model, b->state, true).value);
-    return J;
+    v.triangles = b->model->mesh.triangles.size();
+    return v;
   }
 
   void refuse(const std::string& why, Counts& counts) {
@@ -210,33 +232,47 @@ class Product : public Truth {
     EXPECT_GT(why.size(), 20u) << why;
   }
 
-  void walk(const Scenery& s, Counts& counts) {
-    counts.cells += static_cast<int>(functionals.size());
-    // By the program, which refuses what it does not know; then what is drawn for all that it knows.
-    struct Known {
-      double T, angle;
-    };
-    std::map<double, std::vector<std::pair<std::size_t, double>>> by_angle;
-    for (std::size_t f = 0; f < functionals.size(); ++f) try {
-        const auto map = run_scene(text_of(s, functionals[f], Draws::Nothing, s.where.radius, 0), Job::Map,
+  // T of the map by the program at radii, which refuses what it does not know, and the direction.
+  struct Known {
+    std::vector<double> T;  // of a clamped hole a difference per radius, else the same at each
+    double angle = 0;
+  };
+  Known mapped(const Scenery& s, const Part& functional, const std::vector<double>& radii) {
+    Known k;
+    for (const double r : radii) {
+      if (!k.T.empty() && !is_clamped(s)) {
+        k.T.push_back(k.T[0]);
+        continue;
+      }
+      const auto point = run_scene(text_of(s, functional, Draws::Nothing, r, 0), Job::Map,
                                    {"mesh.crack_tip_size=0.004", "output.energy_bounds=false", "output.tips=false",
                                     "output.margins=false"})["map"]["points"][0];
-        const double angle =
-            map.contains("angle_deg") && map["angle_deg"].is_number() ? map["angle_deg"].get<double>() : 0;
-        if (!map["value"].is_number()) throw Error(Fault::Usage, "the map says nothing at this point");
-        by_angle[angle * pi / 180].emplace_back(f, map["value"].get<double>());
+      if (point.contains("angle_deg") && point["angle_deg"].is_number())
+        k.angle = point["angle_deg"].get<double>() * pi / 180;
+      if (!point["value"].is_number()) throw Error(Fault::Usage, "the map says nothing at this point");
+      k.T.push_back(point["value"].get<double>());
+    }
+    return k;
+  }
+
+  void walk(const Scenery& s, Counts& counts) {
+    counts.cells += static_cast<int>(functionals.size());
+    const std::vector<double> radii = radii_of(s);
+    std::map<double, std::vector<std::pair<std::size_t, Known>>> by_angle;
+    for (std::size_t f = 0; f < functionals.size(); ++f) try {
+        const Known k = mapped(s, functionals[f], radii);
+        // T is flat about its own direction.
+        constexpr double apart = 1e-3;
+        auto group = std::ranges::find_if(by_angle, [&](const auto& g) { return std::abs(g.first - k.angle) < apart; });
+        if (group == by_angle.end()) group = by_angle.try_emplace(k.angle).first;
+        group->second.emplace_back(f, k);
       } catch (const Error& e) {
         refuse(e.what(), counts);
       }
-    const bool clamped = std::string(s.p.inner) == "clamped";
-    constexpr double ratio = 0.6;
     for (const auto& [angle, cells] : by_angle) {
       std::vector<std::size_t> of;
       for (const auto& [f, T] : cells) of.push_back(f);
-      const std::vector<double> radii =
-          clamped ? std::vector<double>{s.where.radius}
-                  : std::vector<double>{s.where.radius, ratio * s.where.radius, ratio * ratio * s.where.radius};
-      std::vector<std::vector<double>> before, after;
+      std::vector<Values> before, after;
       try {
         for (const double r : radii) {
           before.push_back(values(s, of, Draws::Filled, r, angle));
@@ -247,79 +283,128 @@ class Product : public Truth {
         continue;
       }
       for (std::size_t k = 0; k < of.size(); ++k) {
-        const auto quotient = [&](std::size_t i) {
-          const double difference = after[i][k] - before[i][k];
-          return clamped ? difference : difference / (pi * radii[i] * radii[i]);
-        };
-        // T + c2 eps^2 + c4 eps^4 through three radii; what it has beyond two is not sure.
-        constexpr double square = ratio * ratio;
-        const auto extrapolated = [](double large, double small, double by) { return (small - by * large) / (1 - by); };
-        double drawn = quotient(0), unsure = 0;
-        if (!clamped) {
-          const double two = extrapolated(quotient(1), quotient(2), square);
-          drawn = extrapolated(extrapolated(quotient(0), quotient(1), square), two, square * square);
-          unsure = std::abs(drawn - two);
+        std::vector<double> filled, change;
+        bool other_mesh = false;
+        for (std::size_t i = 0; i < radii.size(); ++i) {
+          filled.push_back(before[i].J[k]);
+          change.push_back(after[i].J[k] - before[i].J[k]);
+          other_mesh = other_mesh || before[i].triangles != after[i].triangles;
         }
-        // The same body on the meshes of all radii.
-        double least = before[0][k], most = least;
-        for (const std::vector<double>& J : before) least = std::min(least, J[k]), most = std::max(most, J[k]);
-        const double noise = clamped ? 0 : 2 * (most - least) / (pi * radii.back() * radii.back());
-        const double T = cells[k].second, size = std::max(std::abs(drawn), std::abs(T)),
-                     error = std::max(0.0, std::abs(T - drawn) - unsure - noise) / (size > 0 ? size : 1);
-        if (constexpr double tells = 0.1; unsure + noise > tells * size) {
-          ++counts.open;
-          continue;
-        }
-        ++counts.drawn;
-        if (error > counts.worst) {
-          counts.worst = error;
-          counts.worst_at = s.word() + " / " + functionals[of[k]].word;
-        }
-        constexpr double allowed = 0.02;
-        if (!(error <= allowed)) {
-          ++counts.off;
-          counts.words += fmt::format("{} / {}: T {:.6g}, drawn {:.6g} of {:.6g}, {:.6g}\n", s.word(),
-                                      functionals[of[k]].word, T, drawn, quotient(0), quotient(radii.size() - 1));
-        }
+        judge(s, functionals[of[k]].word, radii, cells[k].second.T, {filled, change, other_mesh}, counts);
       }
     }
   }
 
-  Counts walk_some(unsigned seed, int scenes) {
-    std::mt19937 from(seed);
-    const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(from() % n); };
-    Counts counts;
-    for (int k = 0; k < scenes; ++k) {
-      // Perturbations and loads in turn, so that all come.
-      const auto i = static_cast<std::size_t>(k);
-      const Scenery scenery{perturbations[i % perturbations.size()], (i + i / perturbations.size()) % 10,
-                            states[pick(states.size())], places[pick(places.size())]};
-      walk(scenery, counts);
-      fmt::print("{:3} {}: of {} cells {} drawn, {} refused, {} open, {} off\n", k + 1, scenery.word(), counts.cells,
-                 counts.drawn, counts.refused, counts.open, counts.off);
-      std::fflush(stdout);
+  struct Drawing {
+    std::vector<double> filled, change;  // J of the body, and how it changes, at each radius
+    bool other_mesh = false;             // the changed body has another mesh than the filled one
+  };
+  void judge(const Scenery& s, const char* word, const std::vector<double>& radii, const std::vector<double>& T,
+             const Drawing& drawing, Counts& counts) {
+    const Limit limit = is_clamped(s) ? of_difference(radii, T, drawing) : of_quotient(radii, drawing, T[0]);
+    // Body, stiffness and loads are of the size 1: what is far below is nothing.
+    constexpr double nothing = 1e-8;
+    const double size = std::max({std::abs(limit.value), std::abs(limit.T), nothing});
+    if (constexpr double tells = 0.1; limit.unsure > tells * size) {
+      ++counts.open;
+      counts.open_words += fmt::format("{} / {}: T {:.6g}, drawn {:.6g}, unsure {:.3g}\n", s.word(), word, limit.T, limit.value, limit.unsure);
+      return;
     }
-    fmt::print("scenes {}, cells {}, drawn {}, refused {}, open {}, off {}, worst {:.3g} ({})\n{}", scenes,
-               counts.cells, counts.drawn, counts.refused, counts.open, counts.off, counts.worst, counts.worst_at,
-               counts.words);
-    for (const auto& [why, times] : counts.refusals) fmt::print("  refused {} times: {}\n", times, why);
-    return counts;
+    ++counts.drawn;
+    const double error = std::max(0.0, std::abs(limit.T - limit.value) - limit.unsure) / size;
+    if (error > counts.worst) {
+      counts.worst = error;
+      counts.worst_at = s.word() + " / " + word;
+    }
+    if (constexpr double allowed = 0.02; error <= allowed) return;
+    ++counts.off;
+    counts.words += fmt::format("{} / {}: T {:.6g}, drawn {:.6g} of", s.word(), word, limit.T, limit.value);
+    for (std::size_t i = 0; i < radii.size(); ++i)
+      counts.words += fmt::format(" {:.6g}", drawing.change[i] / (is_clamped(s) ? 1 : pi * radii[i] * radii[i]));
+    counts.words += fmt::format(", unsure {:.3g}\n", limit.unsure);
+  }
+
+  // What T should be, what the drawn bodies say that it is, and how sure they are.
+  struct Limit {
+    double T, value, unsure;
+  };
+  // T + c2 eps^2 + c4 eps^4 through three radii; what it has beyond two is not sure, nor, where the changed body has a
+  // mesh of its own, what the filled bodies differ by, which are the same one on three meshes.
+  static Limit of_quotient(const std::vector<double>& radii, const Drawing& d, double T) {
+    std::vector<double> q;
+    for (std::size_t i = 0; i < radii.size(); ++i) q.push_back(d.change[i] / (pi * radii[i] * radii[i]));
+    const double square = std::pow(radii[1] / radii[0], 2);
+    const auto extrapolated = [](double large, double small, double by) { return (small - by * large) / (1 - by); };
+    const double two = extrapolated(q[1], q[2], square),
+                 three = extrapolated(extrapolated(q[0], q[1], square), two, square * square);
+    const auto [least, most] = std::ranges::minmax(d.filled);
+    const double meshes = d.other_mesh ? 2 * (most - least) / (pi * radii[2] * radii[2]) : 0;
+    return {T, three, std::abs(three - two) + meshes};
+  }
+  // Of a clamped hole (difference) = (prediction) + (b + c ln eps) eps^2 through three radii: what is left at eps = 0 in
+  // multiples of the difference at the smallest radius.
+  static Limit of_difference(const std::vector<double>& radii, const std::vector<double>& T, const Drawing& d) {
+    Eigen::Matrix3d terms;
+    Eigen::Vector3d rest;
+    for (int i = 0; i < 3; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double square = radii[k] * radii[k];
+      terms.row(i) << 1, square, square * std::log(radii[k]);
+      rest[i] = d.change[k] - T[k];
+    }
+    const double three = terms.fullPivLu().solve(rest)[0],
+                 two = terms.bottomLeftCorner<2, 2>().fullPivLu().solve(rest.tail<2>())[0];
+    return {T[2], T[2] + three, std::abs(three - two)};
   }
 };
 
-TEST_F(Product, AFewScenesAreDrawnOrRefusedByName) {
-  const Counts counts = walk_some(4401, 6);
-  EXPECT_EQ(counts.off, 0) << counts.words;
-  EXPECT_EQ(counts.drawn + counts.refused + counts.open, counts.cells);
-  EXPECT_GT(counts.drawn, 4 * counts.open);
+// Number of a scene in the whole matrix.
+Scenery scene_of(std::size_t number) {
+  const auto next = [&](std::size_t of) {
+    const std::size_t i = number % of;
+    number /= of;
+    return i;
+  };
+  const std::size_t p = next(perturbations.size()), load = next(load_count), state = next(states.size()), place = next(places.size());
+  return {perturbations[p], load, states[state], places[place]};
+}
+const std::size_t scene_count = perturbations.size() * load_count * states.size() * places.size();
+
+// Each perturbation under each load, in a state and at a place that a seed draws.
+std::vector<std::size_t> drawn_scenes(unsigned seed) {
+  std::mt19937 from(seed);
+  std::vector<std::size_t> scenes;
+  const std::size_t pairs = perturbations.size() * load_count;
+  for (std::size_t pair = 0; pair < pairs; ++pair) scenes.push_back(pair + pairs * (from() % (states.size() * places.size())));
+  return scenes;
 }
 
-TEST_F(Product, ScenesAreDrawnOrRefusedByName) {
-  const Counts counts = walk_some(4402, 90);
+std::vector<std::size_t> all_scenes() {
+  std::vector<std::size_t> scenes(scene_count);
+  std::iota(scenes.begin(), scenes.end(), std::size_t{0});
+  return scenes;
+}
+
+class ProductScene : public Product, public testing::WithParamInterface<std::size_t> {};
+TEST_P(ProductScene, IsDrawnOrRefusedByName) {
+  const Scenery scenery = scene_of(GetParam());
+  Counts counts;
+  walk(scenery, counts);
+  fmt::print("{}: {} cells, {} drawn, {} refused, {} open, {} off, worst {:.3g} ({})\n", scenery.word(),
+             counts.cells, counts.drawn, counts.refused, counts.open, counts.off, counts.worst, counts.worst_at);
+  for (const auto& [why, times] : counts.refusals) fmt::print("  refused {} times: {}\n", times, why);
+  if (counts.open > 0) fmt::print("  open:\n{}", counts.open_words);
+  std::fflush(stdout);
   EXPECT_EQ(counts.off, 0) << counts.words;
   EXPECT_EQ(counts.drawn + counts.refused + counts.open, counts.cells);
-  EXPECT_GT(counts.drawn, 4 * counts.open);
 }
+const auto name_of = [](const testing::TestParamInfo<std::size_t>& info) {
+  const Scenery s = scene_of(info.param);
+  return fmt::format("{}_{}_{}_{}", s.p.word, s.acts().word, s.state.word, s.where.word);
+};
+INSTANTIATE_TEST_SUITE_P(Drawn, ProductScene, testing::ValuesIn(drawn_scenes(4402)), name_of);
+// The whole matrix takes hours: by hand.
+INSTANTIATE_TEST_SUITE_P(DISABLED_All, ProductScene, testing::ValuesIn(all_scenes()), name_of);
 
 }  // namespace
 }  // namespace kerf::product_test
