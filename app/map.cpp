@@ -41,7 +41,6 @@ std::vector<std::string> beyond_answers(const MapTask& task, const Analysis& a, 
 }  // namespace
 
 Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map) {
-  require_finite(j, adapted.model);
   if (with_map) require_supports(j, adapted.model);
   return analyze(j, adapted.model, adapted.state, !with_map);
 }

@@ -44,6 +44,7 @@ void refuse_parts(const Model& coarse, const Case& c, bool with_map) {
   const auto fail = [&](const char* why) { fail_in_parts(c, why); };
   if (!coarse.inner->standing.empty()) fail("what contact alone holds is known of the whole alone");
   require_known_loads(c.functional, coarse);
+  require_finite(c.functional, coarse);
   if (!with_map) return;
   require_supports(c.functional, coarse);
   if (c.map_request.second) fail("the second term takes solves of the whole");

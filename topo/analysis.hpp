@@ -36,7 +36,8 @@ void require_supports(const Functional& j, const Model& model);
 /// Throws Error(Usage): derivatives by the shape do not know that an eigenstrain stays while the material moves.
 void require_no_eigenstrain(const Scene& scene);
 
-/// Throws Error(Usage) where J is infinite: the square of the pressure of a crack whose faces overlap at a tip.
+/// Throws Error(Usage) where J is infinite: the square of the pressure of a crack whose faces overlap at a tip. analyze
+/// asks it.
 void require_finite(const Functional& j, const Model& model);
 
 /// Throws Error(Usage) for a functional that does not know what an eigenstrain, or a pressure in its crack, does to it.

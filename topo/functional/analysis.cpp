@@ -328,6 +328,7 @@ WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, Measure
 Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only) {
   Analysis a{.model = &model, .state = &state};
   require_known_loads(j, model);
+  require_finite(j, model);
   const auto summed = [&](double value) {
     body.sum({&value, 1});
     return value;

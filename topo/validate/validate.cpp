@@ -133,7 +133,6 @@ class Validating {
         analysis_(analyze(j, own_.model, own_.state)) {
     require_expansion(scene, j, r_.perturbation);
     if (!certified(own_.state)) throw Error(Fault::Numerics, "the body of the validation could not be solved");
-    require_finite(j_, own_.model);
     require_supports(j_, own_.model);
     jumps_ = jumps_of_data(own_.model, j_);
     if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
