@@ -107,13 +107,24 @@ points = [[0.15,0.45]]
     std::string t = text;
     return t.replace(t.find("GAP"), 3, gap);
   };
-  try {
-    run_scene(with("\"-0.05+0.02*x\""), Job::Map);
-    ADD_FAILURE() << "not refused";
-  } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("is infinite: the faces of the crack overlap at its tip"), std::string::npos)
-        << e.what();
-  }
+  const std::string moves = R"toml(
+[optimize]
+method = "slsqp"
+max_iterations = 2
+[[optimize.hole]]
+circle = { center = [[0.1,0.3],[0.4,0.6]], radius = 0.1 }
+start = { center = [0.2,0.5] }
+)toml";
+  const std::string overlaps = with("\"-0.05+0.02*x\"");
+  for (const auto& [scene, job] :
+       {std::pair{overlaps, Job::Solve}, {overlaps, Job::Map}, {overlaps + moves, Job::Optimize}})
+    try {
+      run_scene(scene, job);
+      ADD_FAILURE() << "not refused";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("is infinite: the faces of the crack overlap at its tip"), std::string::npos)
+          << e.what();
+    }
   EXPECT_EQ(run_scene(with("\"0.1*(0.16-x^2)\""), Job::Map)["status"], "ok");
 }
 
