@@ -10,10 +10,23 @@ namespace kerf {
 
 namespace {
 
+const char* const perturbations =
+    "\"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = ... } or { aspect = ... }";
+
+// What a hole or an inclusion could carry, and the derivatives do not know.
+void refuse_loads(const Value& field) {
+  for (const auto& [key, why] :
+       {std::pair{"eigenstrain", "an inclusion has the eigenstrain of its place, none of its own"},
+        std::pair{"pressure", "the rim of a hole is free of loads"}})
+    if (const auto given = find(field, key))
+      fail(given->node->position, fmt::format("{}: {}; it may be {}", field.name, why, perturbations));
+}
+
 Perturbation read_perturbation(const Value& field, const Case& c) {
   using Kind = Perturbation::Kind;
   Perturbation p;
   if (field.node->kind == Node::Kind::Table) {
+    refuse_loads(field);
     allow_only(field);
     const std::string kind = one_of(field);
     allow_only(field, kind);
@@ -28,9 +41,7 @@ Perturbation read_perturbation(const Value& field, const Case& c) {
     return p;
   }
   if (field.node->kind != Node::Kind::String)
-    fail(field.node->position, field.name +
-                                   " must be \"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = "
-                                   "... } or { aspect = ... }");
+    fail(field.node->position, fmt::format("{} must be {}", field.name, perturbations));
   p.kind = perturbation_kind(choice(field));
   return p;
 }

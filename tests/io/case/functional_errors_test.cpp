@@ -138,6 +138,12 @@ INSTANTIATE_TEST_SUITE_P(
               "a.toml:18:16: missing key \"poisson\" in perturbation in [map]; add it"},
         Wrong{"[map]\nperturbation = { young = 2, aspect = 2 }",
               "a.toml:18:38: perturbation in [map] has both young and aspect; keep one"},
+        Wrong{"[map]\nperturbation = { young = 2, poisson = 0.2, eigenstrain = [0.01, 0.01, 0] }",
+              "a.toml:18:58: perturbation in [map]: an inclusion has the eigenstrain of its place, none of its own; it "
+              "may be \"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = ... } or { aspect = ... }"},
+        Wrong{"[map]\nperturbation = { pressure = 0.1 }",
+              "a.toml:18:29: perturbation in [map]: the rim of a hole is free of loads; it may be "
+              "\"hole\", \"clamped_hole\", \"crack\", { young = ..., poisson = ... } or { aspect = ... }"},
         Wrong{"[map]\nperturbation = {}", "a.toml:18:16: perturbation in [map] needs one of young, aspect"},
         Wrong{"[map]\nperturbation = { young = 2, poisson = 0.6 }",
               "a.toml:18:39: poisson in perturbation in [map] must be above -1 and at most 0.5, not 0.6"},
