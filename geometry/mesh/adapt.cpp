@@ -120,8 +120,7 @@ Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips)
   for (std::size_t e = 0; e < middle.size(); ++e) {
     if (middle[e] == none) continue;
     middle[e] = Index(points.size());
-    const auto [a, b] = mesh.edges[e];
-    points.push_back((mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2);
+    points.push_back(middle_of(mesh, Index(e)));
   }
 
   std::vector<std::array<Index, 3>> triangles;
@@ -148,9 +147,7 @@ Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips)
     }
     if (!mesh.region.empty()) region.resize(triangles.size(), mesh.region[t]);
   }
-  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle), std::move(region));
-  fine.cracks.resize(mesh.cracks.size());
-  return fine;
+  return halved(mesh, middle, std::move(points), std::move(triangles), std::move(region));
 }
 
 }  // namespace kerf

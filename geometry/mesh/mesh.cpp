@@ -1,5 +1,7 @@
 #include "kerf/mesh.hpp"
+#include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
+#include "kerf/folded.hpp"
 
 #include <fmt/format.h>
 
@@ -264,6 +266,9 @@ std::vector<Index> pieces(const Mesh& mesh, const std::vector<bool>& cut) {
   return piece;
 }
 
+namespace {
+
+/// The edges that mean something, in two where they have a middle.
 std::vector<Marked> halve_marked(const Mesh& mesh, const std::vector<Index>& middle) {
   std::vector<Marked> marked;
   const auto add = [&](Index a, Index b, Index edge, Index label, Index crack) {
@@ -282,12 +287,71 @@ std::vector<Marked> halve_marked(const Mesh& mesh, const std::vector<Index>& mid
   return marked;
 }
 
+}  // namespace
+
+Vec2 middle_of(const Mesh& mesh, Index edge) {
+  if (!mesh.arc.empty() && mesh.arc[std::size_t(edge)] != none) {
+    const Arc& arc = mesh.arcs[std::size_t(mesh.arc[std::size_t(edge)])];
+    return at(arc, (arc.from + arc.to) / 2);
+  }
+  const auto [a, b] = mesh.edges[std::size_t(edge)];
+  return (mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2;
+}
+
+namespace {
+
+/// The arcs of `mesh` on the edges of `fine`, in two where an edge has a middle.
+void halve_arcs(const Mesh& mesh, const std::vector<Index>& middle, Mesh& fine) {
+  if (mesh.arc.empty()) return;
+  fine.arc.assign(fine.edges.size(), none);
+  const auto add = [&](Index a, Index b, const Arc& arc) {
+    const auto found = std::lower_bound(fine.edges.begin(), fine.edges.end(), std::array<Index, 2>{a, b});
+    fine.arc[std::size_t(found - fine.edges.begin())] = Index(fine.arcs.size());
+    fine.arcs.push_back(arc);
+  };
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    if (mesh.arc[e] == none) continue;
+    const auto [a, b] = mesh.edges[e];
+    Arc first = mesh.arcs[std::size_t(mesh.arc[e])];
+    if (middle[e] == none) {
+      add(a, b, first);
+      continue;
+    }
+    Arc second = first;  // from b: a middle has a larger number than its ends
+    std::swap(second.from, second.to);
+    first.to = second.to = (first.from + first.to) / 2;
+    add(a, middle[e], first);
+    add(b, middle[e], second);
+  }
+}
+
+/// Middles that have moved from chords to arcs may have turned a triangle over.
+void check_folds(const Mesh& mesh, const std::vector<Vec2>& points,
+                 const std::vector<std::array<Index, 3>>& triangles) {
+  if (mesh.arc.empty()) return;
+  for (const auto& [a, b, c] : triangles) {
+    const Vec2 &p = points[std::size_t(a)], &q = points[std::size_t(b)], &r = points[std::size_t(c)];
+    if (twice_area(p, q, r) > 0) continue;
+    throw FoldedTriangle((p + q + r) / 3);
+  }
+}
+
+}  // namespace
+
+Mesh halved(const Mesh& mesh, const std::vector<Index>& middle, std::vector<Vec2> points,
+            std::vector<std::array<Index, 3>> triangles, std::vector<Index> region) {
+  check_folds(mesh, points, triangles);
+  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle), std::move(region));
+  fine.cracks.resize(mesh.cracks.size());
+  halve_arcs(mesh, middle, fine);
+  return fine;
+}
+
 Mesh refine(const Mesh& mesh) {
   const Index vertices = Index(mesh.points.size());
   std::vector<Vec2> points = mesh.points;
   points.reserve(mesh.points.size() + mesh.edges.size());
-  for (const auto& [a, b] : mesh.edges)
-    points.push_back((mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) points.push_back(middle_of(mesh, Index(e)));
 
   std::vector<std::array<Index, 3>> triangles;
   triangles.reserve(4 * mesh.triangles.size());
@@ -302,9 +366,7 @@ Mesh refine(const Mesh& mesh) {
   for (const Index r : mesh.region) region.insert(region.end(), 4, r);
   std::vector<Index> middle(mesh.edges.size());
   for (std::size_t e = 0; e < middle.size(); ++e) middle[e] = vertices + Index(e);
-  Mesh fine = connect(std::move(points), std::move(triangles), halve_marked(mesh, middle), std::move(region));
-  fine.cracks.resize(mesh.cracks.size());
-  return fine;
+  return halved(mesh, middle, std::move(points), std::move(triangles), std::move(region));
 }
 
 }  // namespace kerf

@@ -1,5 +1,9 @@
 #include "geometry/curved.hpp"
 
+#include "kerf/folded.hpp"
+
+#include <fmt/core.h>
+
 namespace kerf {
 
 std::vector<Arc> arcs_of(const Shape& shape) {
@@ -15,6 +19,12 @@ std::vector<Arc> arcs_of(const Shape& shape) {
     if (crack.arc) arcs.push_back(*crack.arc);
   return arcs;
 }
+
+FoldedTriangle::FoldedTriangle(const Vec2& at)
+    : Error(Fault::Numerics,
+            fmt::format("the curved side at ({:.6g}, {:.6g}) folds the triangle beside it; make mesh.size smaller, or "
+                        "use mesh.curved = false",
+                        at.x(), at.y())) {}
 
 Mesh with_chords(const Mesh& mesh) {
   Mesh straight = mesh;

@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-/// A curved edge folds the triangle beside it.
+/// A curved edge folds the triangle beside it, in whose middle that is.
 struct FoldedTriangle : Error {
-  explicit FoldedTriangle(const std::string& what) : Error(Fault::Numerics, what) {}
+  explicit FoldedTriangle(const Vec2& at);
 };
 
 }  // namespace kerf

@@ -45,7 +45,6 @@ void read_material(const Value& document, Case& c) {
 /// Why the edges of a body with curved sides are chords where mesh.curved = "auto"; empty: they follow the curves.
 std::string why_chords(const Case& c) {
   if (const auto why = refusal(c.element, can_be_curved)) return *why;
-  if (c.divisions > 0) return "mesh.refine divides straight triangles";
   if (c.backend != Backend::Cholmod) return "solver.backend is not \"cholmod\"";
   return "";
 }
@@ -67,10 +66,6 @@ void read_curved(const Value& document, Case& c) {
       fail(curved->node->position, curved->name +
                                        ": the mesh in domain.file has straight edges; save it with second order (gmsh: "
                                        "Mesh.ElementOrder = 2), or leave this out");
-    if (c.divisions > 0) {
-      const Value divided = need(*mesh, "refine");
-      fail(divided.node->position, fmt::format("{} does not go with mesh.curved; leave one of them out", divided.name));
-    }
   }
   choose_edges(c);
 }

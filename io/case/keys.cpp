@@ -340,10 +340,9 @@ constexpr Key rows[] = {
     {"mesh.refine",
      Whole,
      {.range = {0, 10}},
-     "Divides every triangle of the mesh into four similar ones, so many times; for solve and map. With adapt that of "
-     "every round is divided. With backend = \"petsc\" on several processes each of them divides its own part, and "
-     "none "
-     "has the whole.",
+     "Divides every triangle of the mesh into four similar ones, so many times; for solve and map. The middles of "
+     "curved edges go onto their arcs. With adapt that of every round is divided. With backend = \"petsc\" on several "
+     "processes each of them divides its own part, and none has the whole.",
      "2",
      "0"},
     {"mesh.curved",

@@ -3,8 +3,6 @@
 #include "kerf/folded.hpp"
 #include "solver/element/local.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -81,11 +79,7 @@ Bows bows_of(const Mesh& mesh, const Element& e) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle cell = cell_of(mesh, bows, static_cast<Index>(t));
     if (!is_curved(cell) || !folds(cell)) continue;
-    const Vec2 at = centroid(cell);
-    throw FoldedTriangle(
-        fmt::format("the curved side at ({:.6g}, {:.6g}) folds the triangle beside it; make mesh.size smaller, or use "
-                    "mesh.curved = false",
-                    at.x(), at.y()));
+    throw FoldedTriangle(centroid(cell));
   }
   return bows;
 }

@@ -428,7 +428,6 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
       sizing.ends = contact_ends(now.model, now.state);
       known = contact_guess(now.model, now.state);
       last.emplace(std::move(now));
-      if (wanted.refinement == Refinement::Bisect) require_straight(last->model, "bisection");
       mesh = next_mesh(shape, sizing, wanted, undivided ? *undivided : last->model.mesh, static_cast<double>(e.order),
                        solved.goal);
       drop_factor(last->model);

@@ -266,5 +266,60 @@ TEST(Bisect, EndsWhateverTheEdgesToHalve) {
   EXPECT_EQ(Index(m.points.size()) - Index(m.edges.size()) + Index(m.triangles.size()), 1);
 }
 
+/// Both ends of every arc are those of its edge, per label and crack they turn by as much as before, and the edges of
+/// cracks follow each other.
+void expect_arcs_of(const Mesh& before, const Mesh& m) {
+  const auto turns = [](const Mesh& of) {
+    std::map<std::pair<Index, Index>, double> sum;
+    for (std::size_t e = 0; e < of.arc.size(); ++e)
+      if (of.arc[e] != none) {
+        const Arc& arc = of.arcs[std::size_t(of.arc[e])];
+        sum[{of.label[e], of.crack[e]}] += std::abs(arc.to - arc.from);
+      }
+    return sum;
+  };
+  const auto now = turns(m), then = turns(before);
+  ASSERT_EQ(now.size(), then.size());
+  for (const auto& [what, turn] : then) EXPECT_NEAR(now.at(what), turn, 1e-12);
+  for (std::size_t e = 0; e < m.edges.size(); ++e) {
+    if (m.arc[e] == none) continue;
+    const Arc& arc = m.arcs[std::size_t(m.arc[e])];
+    for (const std::size_t end : {0u, 1u}) {
+      const double t = end == 0 ? arc.from : arc.to;
+      const Vec2 x = arc.center + arc.axes * Vec2(std::cos(t), std::sin(t));
+      EXPECT_LT((x - m.points[std::size_t(m.edges[e][end])]).norm(), 1e-14);
+    }
+  }
+  for (Index t = 0; t < Index(m.triangles.size()); ++t) EXPECT_GT(area(m, t), 0);
+}
+
+// Arcs of all kinds, triangles halved and quartered at random: new vertices lie on the arcs, which stay whole.
+TEST(Bisect, AndQuarteringFollowArcs) {
+  std::mt19937 random(11);
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (int body = 0; body < 12; ++body) {
+    Shape shape = square();
+    shape.holes = {circle("round", {-1, -1}, in(0.2, 0.6), 1),
+                   ellipse("long", {1, -1}, {in(0.5, 0.7), in(0.2, 0.4)}, in(0, 3), 2)};
+    shape.regions = {circle("core", {-1, 1}, in(0.2, 0.7), none)};
+    shape.cracks = {arc_crack("bent", {1, 1}, in(0.2, 0.6), 0, in(0.5, 2.5))};
+    shape.labels = {"side", "round", "long"};
+    const Mesh first = longest_edges_first(triangulate(shape, {.size = in(0.2, 0.5), .curved = true}));
+    Mesh m = first;
+    for (int round = 0; round < 3; ++round) {
+      if (in(0, 1) < 0.3) {
+        m = longest_edges_first(refine(m));
+      } else {
+        std::vector<Index> marked;
+        for (Index t = 0; t < Index(m.triangles.size()); ++t)
+          if (in(0, 1) < 0.2) marked.push_back(t);
+        m = bisect(m, marked);
+      }
+      expect_arcs_of(first, m);
+    }
+    EXPECT_GT(quality(refine(refine(first))).min_angle_deg, 10);
+  }
+}
+
 }  // namespace
 }  // namespace kerf::adapt_test

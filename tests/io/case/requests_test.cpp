@@ -82,8 +82,7 @@ TEST(Request, IsTheProblemThatAnOptimizationSolves) {
 
 TEST(Request, CurvedSidesNeedAnElementAndADrawing) {
   EXPECT_EQ(read(square + "[mesh]\nrefine = 2\n").divisions, 2);
-  EXPECT_EQ(error(square + "[mesh]\nrefine = 1\ncurved = true\n"),
-            "a.toml:8:10: refine in [mesh] does not go with mesh.curved; leave one of them out");
+  EXPECT_TRUE(read(square + "[mesh]\nrefine = 1\ncurved = true\n").sizing.curved);
   EXPECT_EQ(error(square + "[mesh]\ncurved = 'maybe'\n"),
             "a.toml:8:10: curved in [mesh] is true, false or \"auto\", not \"maybe\"");
   const std::string curved = "[mesh]\ncurved = true\n";
@@ -108,8 +107,8 @@ TEST(Request, EdgesFollowCurvesByThemselves) {
   EXPECT_FALSE(read(square).sizing.curved);
   EXPECT_FALSE(read(square + hole + "[mesh]\ncurved = false\n").sizing.curved);
   const Case divided = read(square + hole + "[mesh]\nrefine = 1\n");
-  EXPECT_FALSE(divided.sizing.curved);
-  EXPECT_EQ(divided.why_chords, "mesh.refine divides straight triangles");
+  EXPECT_TRUE(divided.sizing.curved);
+  EXPECT_EQ(divided.why_chords, "");
   EXPECT_EQ(read(square + hole + "[solver]\nelement = 'afw'\n").element.degree, 2);
   EXPECT_EQ(read(square + hole + "[solver]\nelement = 'peers'\n").element.degree, 1);
   EXPECT_NE(read(square + hole + "[solver]\nelement = 'peers'\n").why_chords.find("peers"), std::string::npos);
