@@ -74,7 +74,8 @@ std::string index(const VerifyBench& bench) {
       "from kerf. Where a benchmark has several values the table shows the one that is furthest out in terms of\nits "
       "tolerance.\n\nBooks and papers are cited as usual, and not all of them were looked up in print: what a value "
       "was confirmed "
-      "by is under *Second check*. The\nerror bar of a number is its distance to a second computation of kerf.\n",
+      "by is under *Second check*. The\nerror bar of a number is its distance to a second computation of kerf.\n\n"
+      "Topological derivatives are compared with drawn bodies product by product, too: [products](products.md).\n",
       count(bench, "within"), count(bench, "outside"), count(bench, "not possible"));
   std::vector<std::string> groups;
   for (const VerifiedEntry& e : bench.entries)

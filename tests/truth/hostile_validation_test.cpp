@@ -128,6 +128,39 @@ start = { center = [0.2,0.5] }
   EXPECT_EQ(run_scene(with("\"0.1*(0.16-x^2)\""), Job::Map)["status"], "ok");
 }
 
+// It closes the open end of the crack by as much as there was: the prediction was off by a factor of two.
+TEST_F(HostileValidation, TheOpeningOfACrackWhoseContactAClampedHoleMovesIsRefused) {
+  const auto said = [&](const std::string& law, const std::string& points) -> std::string {
+    try {
+      return run_scene(square + R"toml(
+[[boundary]]
+on = "b"
+displacement_y = 0
+[[boundary]]
+on = "l"
+displacement_x = 0
+[[boundary]]
+on = "t"
+traction = [0.1,"0.2+1.5*x"]
+[[crack]]
+name = "c"
+path = [[-0.5,-0.1],[0.1,0.05]]
+)toml" + law +
+                           "[functional]\nkind = \"crack_opening\"\ncrack = \"c\"\n[map]\nperturbation = "
+                           "\"clamped_hole\"\nradius = 0.02\n" +
+                           points,
+                       Job::Map)["status"];
+    } catch (const Error& e) {
+      return e.what();
+    }
+  };
+  const std::string beside = "points = [[-0.15,0.16]]\n";
+  EXPECT_NE(said("", beside).find("at (-0.15, 0.16) parts or closes the faces along"), std::string::npos)
+      << said("", beside);
+  EXPECT_NE(said("", "").find("list the points"), std::string::npos) << said("", "");
+  EXPECT_EQ(said("contact = \"open\"\n", beside), "ok");
+}
+
 // A disc pressed in, free to turn: the side of the body does not see it, the disc does.
 TEST_F(HostileValidation, AFunctionalThatDoesNotSeeTheLoosePieceIsMapped) {
   const std::string text = square + pulled + R"toml(

@@ -1,7 +1,9 @@
 // Every perturbation under every load, state, functional and place, as case files: T of the map against bodies that are
-// drawn with the tables that a person would write for the change, meshed and solved anew. Cells that have no T say so.
-//   nightly: a share of all scenes with a fixed seed; slow: a few of them.
-// The functionals of a scene share its solutions.
+// drawn with the tables that a person would write for the change and solved anew. Cells that have no T say so.
+//   nightly: every perturbation under every load, the rest drawn with a fixed seed; slow: a few of them; by hand:
+//   --gtest_also_run_disabled_tests, any scene by its name, All/ProductScene.IsDrawnOrRefusedByName/hole_heat_...
+// The functionals of a scene share its solutions, and both bodies a mesh: tips and corners on another one differ by as
+// much as a small hole does.
 
 #include "tests/truth/scene.hpp"
 
@@ -111,9 +113,9 @@ struct Where {
   const char* weight;
 };
 const std::vector<Where> places{
-    {"away", {0.35, 0.45}, 0.08, "1+0.5*x"},
-    {"near_a_jump", {0.35, 0.45}, 0.03, "x > 0.47 && x < 0.8 && abs(y-0.3) < 0.5 ? 1 : 0.3"},
-    {"near_contact", {-0.15, 0.16}, 0.03, "1+0.5*x"}};
+    {"away", {0.35, 0.45}, 0.04, "1+0.5*x"},
+    {"near_a_jump", {0.35, 0.45}, 0.02, "x > 0.47 && x < 0.8 && abs(y-0.3) < 0.5 ? 1 : 0.3"},
+    {"near_contact", {-0.15, 0.16}, 0.02, "1+0.5*x"}};
 
 struct Scenery {
   const Perturbed& p;
@@ -140,7 +142,7 @@ std::vector<double> radii_of(const Scenery& s) {
 constexpr double tip_size = 4e-4;  // edges at the tips of the body
 // And of what is drawn. The energy of a crack of half length a errs like h/a, its stress to the power 3 like sqrt(h/a).
 double tip_size_of(const Scenery& s) {
-  constexpr double share = 1e-3;
+  constexpr double share = 3e-4;
   return std::string(s.p.inner) == "crack" ? share * radii_of(s).back() : tip_size;
 }
 
@@ -194,7 +196,8 @@ struct Body {
 
 struct Counts {
   int cells = 0, drawn = 0, refused = 0, off = 0;
-  int open = 0;  // drawn, and too unsure on these meshes to tell a tenth
+  int noted = 0;  // drawn, and off by a little where the program said so
+  int open = 0;   // drawn, and too unsure on these meshes to tell a tenth
   double worst = 0;
   std::string worst_at, words, open_words;
   std::map<std::string, int> refusals;
@@ -270,6 +273,7 @@ class Product : public Truth {
     std::vector<double> T;  // of a clamped hole a difference per radius, else the same at each
     double angle = 0;
   };
+  bool keeps_contact = false;  // the program said that a clamped hole may move contact, which its map does not know
 
   // What a user gets.
   Known by_program(const Scenery& s, const Part& functional, const std::vector<double>& radii) {
@@ -279,9 +283,12 @@ class Product : public Truth {
         k.T.push_back(k.T[0]);
         continue;
       }
-      const auto point = run_scene(text_of(s, functional, Draws::Nothing, r, 0), Job::Map,
-                                   {fmt::format("mesh.crack_tip_size={}", tip_size), "output.energy_bounds=false",
-                                    "output.tips=false", "output.margins=false"})["map"]["points"][0];
+      nlohmann::json result = run_scene(text_of(s, functional, Draws::Nothing, r, 0), Job::Map,
+                                        {fmt::format("mesh.crack_tip_size={}", tip_size), "output.energy_bounds=false",
+                                         "output.tips=false", "output.margins=false"});
+      for (const auto& note : result["state"].value("notes", nlohmann::json::array()))
+        keeps_contact = keeps_contact || note.get<std::string>().find("keeps the contact") != std::string::npos;
+      const nlohmann::json point = result["map"]["points"][0];
       if (point.contains("angle_deg") && point["angle_deg"].is_number())
         k.angle = point["angle_deg"].get<double>() * pi / 180;
       if (!point["value"].is_number()) throw Error(Fault::Usage, "the map says nothing at this point");
@@ -367,22 +374,27 @@ class Product : public Truth {
   void judge(const Scenery& s, const char* word, const std::vector<double>& radii, const std::vector<double>& T,
              const std::vector<double>& change, Counts& counts) {
     const Limit limit = is_clamped(s) ? of_difference(radii, T, change) : of_quotient(radii, T[0], change);
-    // Body, stiffness and loads are of the size 1: what is far below is nothing.
-    constexpr double nothing = 1e-8;
-    const double size = std::max({std::abs(limit.value), std::abs(limit.T), nothing});
-    if (constexpr double tells = 0.1; limit.unsure > tells * size) {
+    // Body, stiffness and loads are of the size 1: what is far below is what the meshes leave.
+    constexpr double nothing = 1e-5;
+    const double size = std::max({std::abs(limit.value), std::abs(limit.T), nothing}), unsure = limit.unsure + nothing;
+    if (constexpr double tells = 0.1; limit.unsure > tells * size + nothing) {
       ++counts.open;
       counts.open_words += fmt::format("{} / {}: T {:.6g}, drawn {:.6g}, unsure {:.3g}\n", s.word(), word, limit.T,
                                        limit.value, limit.unsure);
       return;
     }
     ++counts.drawn;
-    const double error = std::max(0.0, std::abs(limit.T - limit.value) - limit.unsure) / size;
+    const double error = std::max(0.0, std::abs(limit.T - limit.value) - unsure) / size;
     if (error > counts.worst) {
       counts.worst = error;
       counts.worst_at = s.word() + " / " + word;
     }
-    if (constexpr double allowed = 0.02; error <= allowed) return;
+    constexpr double allowed = 0.01, where_contact_moves = 0.05;
+    if (error <= allowed) return;
+    if (keeps_contact && error <= where_contact_moves) {
+      ++counts.noted;
+      return;
+    }
     ++counts.off;
     counts.words += fmt::format("{} / {}: T {:.6g}, drawn {:.6g} of", s.word(), word, limit.T, limit.value);
     for (std::size_t i = 0; i < radii.size(); ++i)
@@ -465,8 +477,9 @@ TEST_P(ProductScene, IsDrawnOrRefusedByName) {
   const Scenery scenery = scene_of(GetParam());
   Counts counts;
   walk(scenery, counts);
-  fmt::print("{}: {} cells, {} drawn, {} refused, {} open, {} off, worst {:.3g} ({})\n", scenery.word(), counts.cells,
-             counts.drawn, counts.refused, counts.open, counts.off, counts.worst, counts.worst_at);
+  fmt::print("{}: {} cells, {} drawn, {} refused, {} open, {} noted, {} off, worst {:.3g} ({})\n", scenery.word(),
+             counts.cells, counts.drawn, counts.refused, counts.open, counts.noted, counts.off, counts.worst,
+             counts.worst_at);
   for (const auto& [why, times] : counts.refusals) fmt::print("  refused {} times: {}\n", times, why);
   if (counts.open > 0) fmt::print("  open:\n{}", counts.open_words);
   std::fflush(stdout);

@@ -14,6 +14,8 @@
 #include "topo/map/mask.hpp"
 #include "topo/orthotropic.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -58,12 +60,30 @@ bool has_coulomb(const Scene& scene) {
   return std::ranges::any_of(scene.laws, [](const CrackLaw& l) { return has_friction(l) && l.friction > 0; });
 }
 
+// The opening or the pressure of a crack whose faces may close and part.
+bool sees_contact(const Model& m, const Term& t) {
+  return t.on_crack && m.scene.laws[static_cast<std::size_t>(t.crack)].kind == CrackLaw::Kind::Unilateral;
+}
+
+// The share of a crack where a clamp that takes the displacement u away by the force F, with contact as it was, lets
+// faces overlap or pull at each other.
+double share_of_false_contact(const Model& m, const Field& clamped, Index crack, const Vec2& u, const Vec2& F) {
+  double whole = 0, wrong = 0;
+  const std::vector<CrackPoint> profile = crack_profile(m, clamped, crack);
+  for (const CrackPoint& p : profile) whole += p.length;
+  constexpr double little = 1e-6;
+  for (const CrackPoint& p : profile)
+    if (p.distance() < -little * u.norm() || p.contact_pressure() < -little * F.norm() / whole) wrong += p.length;
+  return wrong / whole;
+}
+
 }  // namespace
 
 bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
   const bool coulomb = has_coulomb(m.scene);
-  return !has_series(p) &&
-         std::ranges::any_of(j.terms, [&](const Term& t) { return is_energy(m, t) ? coulomb : !t.linear; });
+  return !has_series(p) && std::ranges::any_of(j.terms, [&](const Term& t) {
+    return sees_contact(m, t) || (is_energy(m, t) ? coulomb : !t.linear);
+  });
 }
 
 GreenTensor::GreenTensor(const Model& m, const Field& s) : model_(m), reply_(m, cone_of(m, s)) {}
@@ -126,6 +146,7 @@ class Clamped {
     bool any = false;
     for (std::size_t i = 0; i < j.terms.size(); ++i) {
       const Term& term = j.terms[i];
+      if (sees_contact(*a.model, term)) watched_.push_back(i);
       if (is_energy(*a.model, term)) {
         if (!has_frictional_cracks(a.model->scene)) continue;
         Sensitivity slips = work_of_slips(*a.state);
@@ -154,7 +175,11 @@ class Clamped {
 
   /// Whether the fields of Green's tensor are needed.
   bool inserts() const {
-    return rubs_ || !others_.empty();
+    return rubs_ || !others_.empty() || watches();
+  }
+  /// Whether contact must stay as it is.
+  bool watches() const {
+    return !watched_.empty();
   }
 
   // Tensors of the body and, with a misfit, of the measured one; NaN where they admit no hole of this size.
@@ -184,6 +209,7 @@ class Clamped {
       if (term.linear && term.density) add(-pi * eps_ * eps_ * term.factor * term.density({.x = x}).value);
     if (!inserts()) return sum;
     const Field put = change_of(green, F);
+    refuse_moving_contact(x, put, u, F);
     if (rubs_) add(0.5 * a_.energy_share * put.force.dot(put.skeleton));
     const double forth = inserted(x, material, put, F);
     if (!sized) {
@@ -204,6 +230,25 @@ class Clamped {
     change.interior = -F[0] * green.field[0].interior - F[1] * green.field[1].interior;
     change.force = -F[0] * green.field[0].force - F[1] * green.field[1].force;
     return change;
+  }
+
+  // Contact is kept as it is without the hole, and such functionals see nothing else.
+  void refuse_moving_contact(const Vec2& x, const Field& put, const Vec2& u, const Vec2& F) const {
+    if (!watches()) return;
+    Field clamped = *a_.state;
+    clamped.skeleton += put.skeleton;
+    clamped.force += put.force;
+    for (const std::size_t i : watched_) {
+      const double wrong = share_of_false_contact(*a_.model, clamped, j_.terms[i].crack, u, F);
+      constexpr double few = 0.01;
+      if (wrong > few)
+        throw Error(
+            Fault::Usage,
+            fmt::format("functional \"{}\": a clamped hole of radius {:.3g} at ({:.6g}, {:.6g}) parts or closes "
+                        "the faces along {:.2g} % of its crack, where a map keeps contact as it is without the "
+                        "hole; draw the hole and solve, or map an energy or a displacement",
+                        j_.terms[i].kind, eps_, x.x(), x.y(), 100 * wrong));
+    }
   }
 
   // J of u - (G + w) F against J of u, term by term.
@@ -227,9 +272,10 @@ class Clamped {
   const Analysis& a_;
   const Functional& j_;
   double eps_;
-  std::vector<std::size_t> others_;  // terms that u_eps is inserted into
-  const Field* adjoint_ = nullptr;   // of the linear terms
-  bool rubs_ = false;                // an energy, with forces of friction that change
+  std::vector<std::size_t> others_;   // terms that u_eps is inserted into
+  std::vector<std::size_t> watched_;  // terms that see contact alone
+  const Field* adjoint_ = nullptr;    // of the linear terms
+  bool rubs_ = false;                 // an energy, with forces of friction that change
   std::optional<Field> own_;
 };
 
@@ -275,9 +321,13 @@ ClampedChange clamped_change(const Analysis& a, const Functional& j, double eps,
 ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, const Candidates& points) {
   const Clamped predicted(a, j, eps);
   if (predicted.inserts())
-    throw Error(Fault::Usage, "functional \"" + j.kind +
-                                  "\": a clamped hole takes an integral over the whole body per point; list the points "
-                                  "in [map] points instead of a map everywhere");
+    throw Error(
+        Fault::Usage,
+        fmt::format("functional \"{}\": a clamped hole {}; list the points in [map] points instead of a map "
+                    "everywhere",
+                    j.kind,
+                    predicted.watches() ? "may part or close the faces of the crack, which takes a look per point"
+                                        : "takes an integral over the whole body per point"));
   std::vector<std::size_t> wanted;
   std::vector<Vec2> place;
   std::vector<Index> in;
