@@ -32,14 +32,13 @@ std::vector<CopiedCorner> copied_corners(const Mesh& coarse, std::span<const Ind
   return copied;
 }
 
-std::vector<CopiedCenter> copied_centers(const Mesh& coarse, std::span<const Index> origin, Index own, const Mesh& mesh,
-                                         const Mapped& map) {
+std::vector<CopiedCenter> copied_centers(std::span<const Index> origin, Index own, const Mapped& map) {
   std::vector<CopiedCenter> copied;
   const bool oriented = map.full.angle.size() > 0;
+  // Those of one triangle follow each other, in its middle the last one.
   for (Index t = 0; t < own; ++t) {
     const Index from = origin[static_cast<std::size_t>(t)];
-    constexpr double same = 1e-6;
-    if ((centroid(mesh, t) - centroid(coarse, from)).squaredNorm() > same * area(mesh, t)) continue;
+    if (t + 1 < static_cast<Index>(origin.size()) && origin[static_cast<std::size_t>(t) + 1] == from) continue;
     copied.push_back({from, map.full.at_centroids[t], oriented ? map.full.angle[t] : nan});
   }
   return copied;

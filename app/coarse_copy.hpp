@@ -24,8 +24,7 @@ struct CopiedCenter {
   Index triangle;
   double derivative, angle;  // NaN where a map has none
 };
-std::vector<CopiedCenter> copied_centers(const Mesh& coarse, std::span<const Index> origin, Index own, const Mesh& mesh,
-                                         const Mapped& map);
+std::vector<CopiedCenter> copied_centers(std::span<const Index> origin, Index own, const Mapped& map);
 
 struct CoarseCopy {
   Adapted adapted;  // the model before the division, without a factor and a state

@@ -273,7 +273,7 @@ MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMa
   if (!is_everywhere(map)) return r;
   double masked = 0;
   for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
-    if (map.masked_centroid[t]) masked += area(model.mesh, static_cast<Index>(t));
+    if (map.masked_centroid[t]) masked += cell_area(model, static_cast<Index>(t));
   r.masked_share = masked / area(model);
   if (std::ranges::find(map.masked_centroid, false) == map.masked_centroid.end())  // extrema of nothing
     r.min = r.max = {Vec2::Constant(nan), nan};

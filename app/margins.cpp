@@ -97,6 +97,29 @@ void refine_peak(const Model& model, const State& state, const PlotData& data, b
     *value = {points[static_cast<std::size_t>(best)].x, found[best]};
 }
 
+void refine_peak(const Model& part, const State& state, const PlotData& data, bool plane_strain,
+                 const SingularZones& zones, std::span<const Index> own, Peers& peers, Peak& von_mises) {
+  PlacedValue* value = regular_part(von_mises);
+  if (!value) return;
+  Eigen::VectorXd at_corners = Eigen::VectorXd::Constant(data.von_mises.size(), nan);
+  for (const Index corner : own)
+    if (data.von_mises[corner] >= near_largest * value->value) at_corners[corner] = data.von_mises[corner];
+  const std::vector<PointIn> points = points_near_largest(part, data.corners, at_corners, in_zones(zones));
+  const Eigen::VectorXd found = von_mises_at(part, state, plane_strain, points);
+  struct Flat {
+    double value, x, y;
+  };
+  std::vector<Flat> flat;
+  Eigen::Index best = 0;
+  if (found.size() > 0 && std::isfinite(found.maxCoeff(&best))) {
+    const Vec2& x = points[static_cast<std::size_t>(best)].x;
+    flat.push_back({found[best], x.x(), x.y()});
+  }
+  const std::vector<Flat> all = gathered(peers, flat);
+  const auto largest = std::ranges::max_element(all, {}, &Flat::value);
+  if (largest != all.end()) *value = {Vec2(largest->x, largest->y), largest->value};
+}
+
 void add_margins(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& result,
                  std::vector<CrackResult>& cracks) {
   if (!wants_margins(c, static_cast<double>(adapted.model.mesh.triangles.size())) || has_large_contact(adapted.model))

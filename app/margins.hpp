@@ -4,6 +4,9 @@
 
 #include "app/journal.hpp"
 #include "app/peaks.hpp"
+#include "solver/spread.hpp"
+
+#include <span>
 
 namespace kerf {
 
@@ -11,6 +14,11 @@ namespace kerf {
 /// alone would miss it where it lies between them.
 void refine_peak(const Model& model, const State& state, const PlotData& data, bool plane_strain,
                  const SingularZones& zones, Peak& von_mises);
+
+/// The same of a body in parts, which all processes call together with the largest value of all. `own`: the corners of
+/// own triangles.
+void refine_peak(const Model& part, const State& state, const PlotData& data, bool plane_strain,
+                 const SingularZones& zones, std::span<const Index> own, Peers& peers, Peak& von_mises);
 
 /// Whether a body of so many triangles gets margins, as far as the case says.
 bool wants_margins(const Case& c, double triangles);

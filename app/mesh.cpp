@@ -1,8 +1,11 @@
 #include "app/mesh.hpp"
 
+#include "app/solve.hpp"
 #include "io/words.hpp"
+#include "kerf/folded.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/vtk.hpp"
+#include "solver/divided.hpp"
 
 #include <fmt/format.h>
 
@@ -32,6 +35,25 @@ void write_groups(const std::filesystem::path& path, const Mesh& mesh, const Sha
   write_vtu(path, mesh.points, mesh.triangles, fields, middle_points(mesh, mesh.triangles));
 }
 
+Mesh divided_mesh(const Case& c) {
+  Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
+  check_division(mesh, c.element, c.divisions);
+  for (int k = 0; k < c.divisions; ++k) mesh = refine(mesh);
+  return mesh;
+}
+
+/// With chords where an edge that follows a curve folds a triangle, unless mesh.curved = true.
+Mesh mesh_of_run(const Case& c) {
+  try {
+    return divided_mesh(c);
+  } catch (const FoldedTriangle& e) {
+    if (c.curved.value_or(false)) throw;
+    Case straight = c;
+    draw_chords(straight, e.what());
+    return divided_mesh(straight);
+  }
+}
+
 }  // namespace
 
 void require_mesh_ending(const std::filesystem::path& path) {
@@ -43,9 +65,7 @@ void require_mesh_ending(const std::filesystem::path& path) {
 
 std::string write_mesh_of(const Case& c, const std::filesystem::path& path, const std::string& format) {
   require_mesh_ending(path);
-  Mesh made = c.mesh ? Mesh{} : triangulate(c.shape, c.sizing);
-  for (int k = 0; k < c.divisions; ++k) made = refine(k == 0 && c.mesh ? *c.mesh : made);
-  const Mesh& mesh = c.mesh && c.divisions == 0 ? *c.mesh : made;
+  const Mesh mesh = mesh_of_run(c);
   if (path.extension() == ".msh")
     write_mesh(path, mesh, c.shape, format == "2.2" ? MshVersion::V2 : MshVersion::V4);
   else

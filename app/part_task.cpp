@@ -2,6 +2,7 @@
 
 #include "solver/packer.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace kerf {
@@ -19,6 +20,20 @@ std::vector<Vec2> points_from(Unpacker& from) {
   std::vector<Vec2> points;
   for (std::size_t i = 0; i + 1 < flat.size(); i += 2) points.emplace_back(flat[i], flat[i + 1]);
   return points;
+}
+
+void put_arc(const Arc& arc, Packer& to) {
+  put({arc.center, arc.axes.col(0), arc.axes.col(1)}, to);
+  to.put(arc.from);
+  to.put(arc.to);
+}
+
+Arc arc_from(Unpacker& from) {
+  const std::vector<Vec2> all = points_from(from);
+  Arc arc{.center = all.at(0), .axes = Mat2::Zero(), .from = from.get<double>(), .to = 0};
+  arc.axes << all.at(1), all.at(2);
+  arc.to = from.get<double>();
+  return arc;
 }
 
 void put(const Floating& floating, Packer& to) {
@@ -67,6 +82,8 @@ std::string packed(const PartTask& task) {
   to.put(m.cracks.size());
   for (const auto& path : m.cracks) to.put(path);
   to.put(m.region);
+  to.put(m.arc);
+  for (const Arc& arc : m.arcs) put_arc(arc, to);
   to.put(task.process);
   to.put(task.folder);
   to.put(task.divisions);
@@ -109,6 +126,10 @@ PartTask unpacked(std::string_view bytes) {
   m.cracks.resize(from.get<std::size_t>());
   for (auto& path : m.cracks) path = from.all<CrackEdge>();
   m.region = from.all<Index>();
+  m.arc = from.all<Index>();
+  m.arcs.reserve(m.arc.size());
+  for (auto left = std::ranges::count_if(m.arc, [](Index a) { return a != none; }); left > 0; --left)
+    m.arcs.push_back(arc_from(from));
   task.process = from.all<Index>();
   task.folder = from.text();
   task.divisions = from.get<int>();

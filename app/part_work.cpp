@@ -3,8 +3,10 @@
 #include "app/collect.hpp"
 #include "app/files.hpp"
 #include "app/map.hpp"
+#include "app/margins.hpp"
 #include "app/peaks.hpp"
 #include "app/solve.hpp"
+#include "geometry/part.hpp"
 #include "kerf/adaptive.hpp"
 #include "kerf/map.hpp"
 #include "solver/adapting.hpp"
@@ -23,6 +25,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace kerf {
 
@@ -83,14 +86,15 @@ OwnPlot own_plot(const PlotData& data, Index triangles) {
 }
 
 /// Leaves names, kinds and components of the fields.
-void write_piece(const PartTask& task, std::string_view name, const OwnPlot& own, Index here,
+void write_piece(const PartTask& task, std::string_view name, const Mesh& mesh, const OwnPlot& own, Index here,
                  std::vector<NamedField>& fields) {
   const auto triangles = static_cast<Eigen::Index>(own.triangles.size());
   for (NamedField& f : fields)
     f.values =
         f.per_cell ? Eigen::MatrixXd(f.values.leftCols(triangles)) : Eigen::MatrixXd(f.values(Eigen::all, own.corner));
   if (task.vtk)
-    write_vtu(std::filesystem::path(task.folder) / piece_name(name, here), own.points, own.triangles, fields);
+    write_vtu(std::filesystem::path(task.folder) / piece_name(name, here), own.points, own.triangles, fields,
+              middle_points(mesh, own.triangles));
   for (NamedField& f : fields) f.values.resize(f.values.rows(), 0);
 }
 
@@ -169,7 +173,7 @@ Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData
   Mapped map = make_map({c.functional, c.map_request, {}}, a, data, task.zones);
   double masked = 0;
   for (Index t = 0; t < own_triangles(model); ++t)
-    if (map.full.masked_centroid[static_cast<std::size_t>(t)]) masked += area(model.mesh, t);
+    if (map.full.masked_centroid[static_cast<std::size_t>(t)]) masked += cell_area(model, t);
   MapResult r{.perturbation = std::string(word(c.map_request.perturbation.kind))};
   if (c.map && !c.map->points.empty()) r.points = map_at_points(c, a, c.map->points, peers);
   for (std::size_t k = 0; k < c.probes.size(); ++k) {
@@ -188,7 +192,7 @@ Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData
   r.oriented = map.full.angle.size() > 0;
   found.map = std::move(r);
   found.map_fields = map_fields(map);
-  write_piece(task, "map", own, peers.here(), found.map_fields);
+  write_piece(task, "map", model.mesh, own, peers.here(), found.map_fields);
   return map;
 }
 
@@ -223,21 +227,38 @@ void gather_cracks(const Model& model, const State& state, const std::vector<std
     CrackPoint p;
     double slip;
   };
+  struct Edge {
+    double from, length;
+  };
   for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
     const auto& path = model.mesh.cracks[static_cast<std::size_t>(c)];
     const std::vector<CrackPoint> profile = crack_profile(model, state, c);
     const bool slides = has_friction(model.scene.laws[static_cast<std::size_t>(c)]);
     const std::vector<double> slip = slides ? slip_profile(model, state, c) : std::vector<double>(profile.size(), 0);
     const std::size_t each = path.empty() ? 0 : profile.size() / path.size();
+    const auto is_own = [&](std::size_t k) {
+      return model.mesh.sides[static_cast<std::size_t>(path[k].edge)][1] < own_triangles(model);
+    };
+    const std::vector<double>& order = from[static_cast<std::size_t>(c)];
+    std::vector<Edge> edges;
+    for (std::size_t k = 0; k < path.size(); ++k)
+      if (is_own(k)) edges.push_back({order[k], length_along(model, path[k].edge)});
+    edges = gathered(peers, edges);
+    std::ranges::sort(edges, {}, &Edge::from);
+    std::map<double, double> begin;  // along the curve, by the place along the chords
+    double sum = 0;
+    for (const Edge& e : edges) {
+      begin[e.from] = sum;
+      sum += e.length;
+    }
     std::vector<Point> own;
     double done = 0;
     for (std::size_t k = 0; k < path.size(); ++k) {
-      const auto e = static_cast<std::size_t>(path[k].edge);
-      for (std::size_t i = k * each; model.mesh.sides[e][1] < own_triangles(model) && i < (k + 1) * each; ++i) {
+      for (std::size_t i = k * each; is_own(k) && i < (k + 1) * each; ++i) {
         own.push_back({profile[i], slip[i]});
-        own.back().p.s += from[static_cast<std::size_t>(c)][k] - done;
+        own.back().p.s += begin.at(order[k]) - done;
       }
-      done += length(model.mesh, path[k].edge);
+      done += length_along(model, path[k].edge);
     }
     std::vector<Point> all = gathered(peers, own);
     std::ranges::stable_sort(all, {}, [](const Point& q) { return q.p.s; });
@@ -330,6 +351,18 @@ std::string end_of_rounds(const PartTask& task, const Model& model, Peers& peers
   return reason_to_end(rounds, unseen, {.error = task.error, .max_triangles = task.max_triangles});
 }
 
+/// Of the triangles of all processes.
+Quality quality_of_all(const MeshPart& p, Peers& peers) {
+  std::vector<bool> use(p.mesh.triangles.size(), false);
+  std::fill_n(use.begin(), p.own, true);
+  const Quality own = quality(part_without_cracks(p.mesh, use));
+  std::array<double, 3> most{-own.h_min, own.h_max, -own.min_angle_deg};
+  peers.largest(most);
+  std::array<double, 2> sums{own.mean_quality * p.own, static_cast<double>(p.own)};
+  peers.sum(sums);
+  return {-most[0], most[1], -most[2], sums[0] / sums[1]};
+}
+
 /// Per triangle of the mesh before it was divided; of the first process.
 Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, const std::vector<Index>& origin, Index own, std::size_t count,
                              Peers& peers) {
@@ -346,10 +379,15 @@ Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, const std::vector<Index
 
 }  // namespace
 
-FoundTogether work_together(const Case& c, PartTask task, Peers& peers) {
+FoundTogether work_together(const Case& given, PartTask task, Peers& peers) {
+  Case c = given;
+  c.sizing.curved = c.sizing.curved && !task.coarse.arc.empty();  // the first process may have drawn chords
   MeshPart part = mesh_part(task.coarse, task.process, static_cast<int>(peers.count()), peers.here(), task.divisions);
   const SharedTips tips(task.coarse, c.scene, task.divisions);
   const std::size_t undivided = task.coarse.triangles.size();
+  const bool on_chords = is_of_polygon(c.shape, task.coarse);
+  FoundTogether found;
+  if (!task.coarse.arc.empty()) found.mesh = quality_of_all(part, peers);
   const auto whole = task.map || task.copy ? std::make_shared<const Mesh>(std::move(task.coarse)) : nullptr;
   task.coarse = {};
   task.process = {};
@@ -361,7 +399,6 @@ FoundTogether work_together(const Case& c, PartTask task, Peers& peers) {
   SharedBody body = bodies.make(std::move(part), c.scene, task.floating);
   const Model& model = body.model();
   State state = body.solve(task.contact, task.map && needs_adjoint(c.functional, model, peers));
-  FoundTogether found;
   const Indicator indicator = estimate(c, task, model, state, peers, found);
   if (task.adapts) {
     found.stopped = end_of_rounds(task, model, peers, found);
@@ -402,6 +439,8 @@ FoundTogether work_together(const Case& c, PartTask task, Peers& peers) {
     const OwnPlot own = own_plot(data, own_triangles(model));
     if (task.peaks) {
       found.von_mises = largest_of(peers, peak(own.points, data.von_mises(own.corner), task.zones));
+      if (found.von_mises && !on_chords)  // corners of chords have a note
+        refine_peak(model, state, data, c.plane_strain, task.zones, own.corner, peers, *found.von_mises);
       const Eigen::VectorXd moved = data.values.displacement.colwise().norm().transpose();
       found.displacement = largest_of(peers, peak(own.points, moved(own.corner), {}));
       const Eigen::VectorXd strained = principal_strains(model, data);
@@ -411,14 +450,14 @@ FoundTogether work_together(const Case& c, PartTask task, Peers& peers) {
             std::ranges::max(gathered(peers, std::vector{beside(model, state, data, c.plane_strain, top->at)}));
     }
     found.fields = state_fields(model, state, data, indicator);
-    write_piece(task, "state", own, peers.here(), found.fields);
+    write_piece(task, "state", model.mesh, own, peers.here(), found.fields);
     const std::optional<Mapped> map =
         task.map ? std::optional(map_part(c, task, functional, data, own, peers, found)) : std::nullopt;
     if (task.copy) {
       const Index own_count = own_triangles(model);
       found.copied =
           gathered_by_first(peers, copied_corners(*whole, origin, own_count, model.mesh, data, map ? &*map : nullptr));
-      if (map) found.centers = gathered_by_first(peers, copied_centers(*whole, origin, own_count, model.mesh, *map));
+      if (map) found.centers = gathered_by_first(peers, copied_centers(origin, own_count, *map));
     }
   }
   found.state.certificate = state.certificate;

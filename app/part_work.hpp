@@ -13,7 +13,8 @@ namespace kerf {
 
 /// What all find together: the same on all, but for what the first one alone writes or draws.
 struct FoundTogether {
-  State state;  // certificate and counts alone
+  State state;   // certificate and counts alone
+  Quality mesh;  // with curved edges, which divided triangles are not similar beside
   double potential = 0, work = 0, area = 0;
   Analysis functional = {};  // the values alone
   Index unknowns = 0, interior = 0;

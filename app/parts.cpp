@@ -11,10 +11,12 @@
 #include "app/ranks.hpp"
 #include "app/solve.hpp"
 #include "kerf/adaptive.hpp"
+#include "kerf/folded.hpp"
 #include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/stop.hpp"
 #include "solver/adapting.hpp"
+#include "solver/divided.hpp"
 #include "solver/error_bars.hpp"
 #include "solver/recovery.hpp"
 #include "solver/stress.hpp"
@@ -79,6 +81,7 @@ Undivided undivided(const Case& c, const std::shared_ptr<const Mesh>& given, con
   } else {
     mesh = given ? *given : triangulate(c.shape, c.sizing);
   }
+  check_division(mesh, c.element, c.divisions);
   u.model = prepare(std::move(mesh), c.element, c.scene, threads, {.factorize = false});
   return u;
 }
@@ -93,7 +96,7 @@ std::vector<std::string> limits_before_division(const Case& c, const Undivided& 
   return limits_of_map({c.functional, c.map_request, {}}, analyze(c.functional, model, state), map);
 }
 
-/// Numbers of the mesh divided so many times: its triangles are similar to those before.
+/// Numbers of the mesh divided so many times: its triangles are similar to those before, but beside curved edges.
 void describe_divided(const Mesh& coarse, int divisions, Result& r) {
   double triangles = static_cast<double>(coarse.triangles.size()), edges = static_cast<double>(coarse.edges.size()),
          points = static_cast<double>(coarse.points.size());
@@ -152,6 +155,7 @@ struct InParts {
       journal.seconds.assemble += found.seconds.assemble;
       journal.seconds.contact += found.state.seconds.contact;
       journal.seconds.solve += journal.lap() - found.seconds.assemble - found.state.seconds.contact;
+      if (!before.model.mesh.arc.empty()) r.mesh = found.mesh;
       rounds.push_back(found.round);
       if (c.adapt && found.stopped.empty()) {
         if (stop_requested()) throw Stopped{};
@@ -239,9 +243,17 @@ void work_on_part(const Case& c, std::string_view task, Peers& peers) {
   work_together(c, unpacked(task), peers);
 }
 
-CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal& journal, Result& r) {
+CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes, Journal& journal, Result& r) {
+  Case c = given;
   InParts in_parts(c, with_map, processes, journal, r);
-  FoundTogether found = in_parts.solve();
+  FoundTogether found;
+  try {
+    found = in_parts.solve();
+  } catch (const FoldedTriangle& e) {  // before there was a task
+    if (c.curved.value_or(false)) throw;
+    draw_chords(c, e.what());
+    found = in_parts.solve();
+  }
   Undivided& before = in_parts.before;
   const Model& coarse = before.model;
   StateResult& s = r.state.emplace();

@@ -17,7 +17,6 @@
 #include "app/report.hpp"
 #include "app/solve.hpp"
 #include "app/validate.hpp"
-#include "geometry/curved.hpp"
 #include "io/document.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
@@ -270,9 +269,7 @@ Adapted solve_body_as_it_can(Case& c, Journal& journal, Result& r) {
     return solve_body(c, journal, r);
   } catch (const FoldedTriangle& e) {
     if (c.curved.value_or(false)) throw;
-    c.sizing.curved = false;
-    if (c.mesh) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
-    c.why_chords = e.what();
+    draw_chords(c, e.what());
     return solve_body(c, journal, r);
   }
 }

@@ -186,6 +186,12 @@ void add_resultants(const Model& model, const std::vector<LabelResultant>& react
   out.balance = ResultantResult{"", sum.force, sum.moment};
 }
 
+void draw_chords(Case& c, const std::string& why) {
+  c.sizing.curved = false;
+  if (c.mesh) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
+  c.why_chords = why;
+}
+
 bool is_of_polygon(const Shape& shape, const Mesh& mesh) {
   return !arcs_of(shape).empty() && mesh.arc.empty();
 }

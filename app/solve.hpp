@@ -34,6 +34,8 @@ bool has_stress(const Model& model, const State& state);
 /// Open faces that penetrate.
 std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks);
 
+/// Chords for curved sides after all.
+void draw_chords(Case& c, const std::string& why);
 /// Whether chords stand for curved sides, so that what is bounded is of the polygon.
 bool is_of_polygon(const Shape& shape, const Mesh& mesh);
 /// That chords are drawn where nothing asks for them, why, and what that may cost; empty: they are not.

@@ -12,6 +12,8 @@ struct Part {
   std::vector<Index> triangle, edge;  // of the whole, per triangle and edge of the part
 };
 Part part(const Mesh& whole, const std::vector<bool>& use);
+/// The same without cracks, of which `use` may have one side alone.
+Mesh part_without_cracks(Mesh whole, const std::vector<bool>& use);
 
 /// The mesh of a body with ball_holes, the holes filled with their balls: the triangles of the body first, then those
 /// of the balls in order. Throws std::invalid_argument when a ball's boundary is not in the mesh.

@@ -13,6 +13,8 @@ std::vector<Index> pieces(const Mesh& mesh, const std::vector<bool>& cut);
 
 /// The middle of an edge, of a curved one on its arc.
 Vec2 middle_of(const Mesh& mesh, Index edge);
+/// The points of an edge in its direction, once it is halved so many times: those of `refine`, bit for bit.
+std::vector<Vec2> divided_edge(const Mesh& mesh, Index edge, int divisions);
 /// `mesh` with edges in two, each of which has its middle in `points`, behind those of `mesh`: per edge its number, or
 /// none. Labels, cracks and arcs go on. Throws FoldedTriangle where a middle on an arc turns a triangle over.
 Mesh halved(const Mesh& mesh, const std::vector<Index>& middle, std::vector<Vec2> points,

@@ -9,6 +9,8 @@
 
 namespace kerf {
 
+inline constexpr double near_largest = 0.85;  // of the largest one, that corners have beside which to look
+
 /// Points in the triangles around the corners where the von Mises stress, `at_corners`, is within 15 % of the largest
 /// one, of the hundred largest corners at most: a lattice of each triangle, its corners and edges included. `excluded`:
 /// where not to look.

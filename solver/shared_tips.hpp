@@ -14,10 +14,11 @@ namespace kerf {
 /// The tips of a mesh as they are once every edge is divided, and what their cracks are beside them.
 class SharedTips {
  public:
-  /// Chords stand for curved cracks. `mesh`, `scene`: before the division.
+  /// `mesh`, `scene`: before the division.
   SharedTips(const Mesh& mesh, const Scene& scene, int divisions);
   ~SharedTips();
-  /// `profiles`: per crack all of its points. All processes call it together. NaN where no domain fits.
+  /// `profiles`: per crack all of its points. All processes call it together. NaN where no domain fits, at
+  /// the tips of curved cracks with straight edges, and of those with a pressure.
   std::vector<TipIntensity> intensities(const Model& part, const Field& state,
                                         const std::vector<std::vector<CrackPoint>>& profiles, const Sums& sums) const;
 

@@ -298,6 +298,34 @@ Vec2 middle_of(const Mesh& mesh, Index edge) {
   return (mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2;
 }
 
+std::vector<Vec2> divided_edge(const Mesh& mesh, Index edge, int divisions) {
+  const auto [a, b] = mesh.edges[std::size_t(edge)];
+  const Arc* arc = mesh.arc.empty() || mesh.arc[std::size_t(edge)] == none
+                       ? nullptr
+                       : &mesh.arcs[std::size_t(mesh.arc[std::size_t(edge)])];
+  std::vector<Vec2> x{mesh.points[std::size_t(a)], mesh.points[std::size_t(b)]};
+  std::vector<double> place;
+  if (arc) place = {arc->from, arc->to};
+  for (int time = 0; time < divisions; ++time) {
+    std::vector<Vec2> finer{x.front()};
+    std::vector<double> finer_place;
+    if (arc) finer_place = {place.front()};
+    for (std::size_t i = 1; i < x.size(); ++i) {
+      if (arc) {
+        const double middle = (place[i - 1] + place[i]) / 2;
+        finer_place.insert(finer_place.end(), {middle, place[i]});
+        finer.push_back(at(*arc, middle));
+      } else {
+        finer.push_back((x[i - 1] + x[i]) / 2);
+      }
+      finer.push_back(x[i]);
+    }
+    x = std::move(finer);
+    place = std::move(finer_place);
+  }
+  return x;
+}
+
 namespace {
 
 /// The arcs of `mesh` on the edges of `fine`, in two where an edge has a middle.

@@ -168,6 +168,12 @@ Part part(const Mesh& whole, const std::vector<bool>& use) {
   return p;
 }
 
+Mesh part_without_cracks(Mesh whole, const std::vector<bool>& use) {
+  whole.cracks.clear();
+  std::ranges::fill(whole.crack, none);
+  return part(whole, use).mesh;
+}
+
 Filled fill(const Mesh& outside, const std::vector<BallMesh>& balls) {
   Filler filler{outside};
   Filled filled;

@@ -93,7 +93,6 @@ std::vector<std::vector<double>> starts_along(const Mesh& whole, const Part& cut
 }  // namespace
 
 MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int count, Index here, int times) {
-  if (!coarse.arc.empty()) throw std::invalid_argument("mesh_part: curved edges are not divided");
   if (process.size() != coarse.triangles.size()) throw std::invalid_argument("mesh_part: a process per triangle");
   const std::vector<bool> use = triangles_of(coarse, process, here, rings_around(times));
   Part cut = part(coarse, use);

@@ -45,7 +45,7 @@ void read_material(const Value& document, Case& c) {
 /// Why the edges of a body with curved sides are chords where mesh.curved = "auto"; empty: they follow the curves.
 std::string why_chords(const Case& c) {
   if (const auto why = refusal(c.element, can_be_curved)) return *why;
-  if (c.backend != Backend::Cholmod) return "solver.backend is not \"cholmod\"";
+  if (c.backend == Backend::Umfpack) return "solver.backend = \"umfpack\" takes straight edges";
   return "";
 }
 

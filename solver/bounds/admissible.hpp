@@ -92,6 +92,7 @@ struct EnergySums {
   Oscillation oscillation;
   double mismatch = 0, beyond_arcs = 0;
   bool couples = false;  // unseen_couples
+  bool on_arcs = false;  // of a body of which another process has curved edges
 };
 EnergyBounds energy_interval(const Model& m, const EnergySums& of);
 

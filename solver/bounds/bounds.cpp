@@ -206,12 +206,16 @@ const char* unavailable_on_arcs(const Model& m) {
   return nullptr;
 }
 
+constexpr const char* too_little_on_arcs =
+    "no bounds of the energy: nothing holds the body, and degree 1 sees too little of its body force in curved "
+    "triangles";
+
 /// Of a body that nothing holds displacements that are constant see the means of a force alone, which beside curved
-/// edges do only where it is small against the stress: as what balances a load is.
-bool sees_too_little_on_arcs(const Model& m, const Field& s, const Forces& f) {
+/// edges do only where it is small against the mean stress: as what balances a load is.
+bool sees_too_little_on_arcs(const Model& m, const Forces& f, double stress) {
   if (m.mesh.arc.empty() || !unseen_couples(f)) return false;
   constexpr double small = 1e-3;
-  const double most = small * mean_stress(m, s);
+  const double most = small * stress;
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t)
     if (const Triangle cell = triangle(m, t);
         is_curved(cell) && diameter(cell) * f.nodal.col(t).cwiseAbs().maxCoeff() > most)
@@ -411,7 +415,7 @@ EnergyBounds energy_interval(const Model& m, const EnergySums& of) {
   if (!result.guaranteed)
     result.note = fmt::format("the bounds of the energy are estimates: the {} not resolved by the mesh",
                               asymptotic ? "body force is" : "prescribed displacements are");
-  if (!m.mesh.arc.empty()) {
+  if (of.on_arcs || !m.mesh.arc.empty()) {
     result.guaranteed = false;
     result.note = fmt::format(
         "the bounds of the energy are estimates: what arcs have beyond the polynomials of the edges is put at {:.1g}",
@@ -444,11 +448,8 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   if (!a.bounds.note.empty()) return a;
   a.data = edge_data(m);
   a.f = forces(m);
-  if (sees_too_little_on_arcs(m, s, a.f)) {
-    a.bounds =
-        lost(infinity,
-             "no bounds of the energy: nothing holds the body, and degree 1 sees too little of its body force in "
-             "curved triangles");
+  if (sees_too_little_on_arcs(m, a.f, mean_stress(m, s))) {
+    a.bounds = lost(infinity, too_little_on_arcs);
     return a;
   }
   Eigen::VectorXd moved;
@@ -486,18 +487,30 @@ int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
 EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, const OpenSolve& open) {
   AdmissiblePair a{.m = m};
   std::string why = no_energy_bounds_because(m);
-  if (why.empty() && !m.mesh.arc.empty()) why = "no bounds of the energy in parts: curved edges (mesh.curved)";
+  std::array<double, 2> here{why.empty() ? 0.0 : 1.0, m.mesh.arc.empty() ? 0.0 : 1.0};
+  sums.most(here);
+  if (why.empty() && here[0] > 0) why = "no bounds of the energy: curved edges on a part of another process";
   if (!why.empty()) return {nan, nan, 0, false, why};
   a.f = forces(m);
   double blind = unseen_by_bounds(m).empty() ? 0 : 1;
   sums.most({&blind, 1});
   if (blind > 0) return lost(infinity, "no bounds of the energy: data that the rules of the solver do not resolve");
+  const double stress = mean_stress(m, s);
+  std::array<double, 2> squares{stress * stress * area(m), area(m)};
+  sums.add(squares);
+  double too_little = sees_too_little_on_arcs(m, a.f, std::sqrt(squares[0] / squares[1])) ? 1 : 0;
+  sums.most({&too_little, 1});
+  if (too_little > 0) return lost(infinity, too_little_on_arcs);
   a.data = edge_data(m);
   std::array<double, 2> asks{a.f.couple.size() > 0 ? 1.0 : 0.0, s.force.size() > 0 ? s.force.cwiseAbs().maxCoeff() : 0};
   sums.most(asks);
   fill(s, asks[0] > 0 || asks[1] > 0 ? static_interior(m, s, a.f.couple, open) : s.interior, 0, false, a);
+  a.beyond_arcs = beyond_arcs(m, s);
+  a.sum.below += a.beyond_arcs;
+  a.sum.above += a.beyond_arcs;
   EnergySums own = own_sums(a, s);
-  std::array<double*, 10> added{&own.sum.lower,
+  own.on_arcs = here[1] > 0;
+  std::array<double*, 11> added{&own.sum.lower,
                                 &own.sum.upper,
                                 &own.sum.size,
                                 &own.sum.below,
@@ -506,7 +519,8 @@ EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, con
                                 &own.oscillation.eta,
                                 &own.oscillation.correction,
                                 &own.oscillation.quadrature,
-                                &own.mismatch};
+                                &own.mismatch,
+                                &own.beyond_arcs};
   std::array<double*, 4> largest{&own.sum.asymmetry, &own.sum.stress, &own.sum.divergence, &own.sum.gradient};
   const auto over_all = [](const auto& values, const std::function<void(std::span<double>)>& reduce) {
     std::array<double, std::tuple_size_v<std::decay_t<decltype(values)>>> all;

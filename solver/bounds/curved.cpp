@@ -249,7 +249,7 @@ void along_arc(const Model& m, const Field& s, Index e, const Visit& visit) {
   const Mat2 to_circle = arc.axes.inverse();
   const double radius = arc.axes.colwise().norm().maxCoeff();
   for (const Index t : m.mesh.sides[e]) {
-    if (t == none) continue;
+    if (t == none || t >= own_triangles(m)) continue;
     const Triangle cell = triangle(m, t);
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
       const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);

@@ -1,6 +1,8 @@
 #include "solver/element/bow.hpp"
 
+#include "geometry/part.hpp"
 #include "kerf/folded.hpp"
+#include "solver/divided.hpp"
 #include "solver/element/local.hpp"
 
 #include <algorithm>
@@ -59,6 +61,18 @@ Bow bow_of(const Arc& piece, int degree) {
   Bow b;
   for (std::size_t i = 0; i < 3; ++i) b.q[i] = piece.axes * (h.across[i] * out + h.along[i] * along);
   return b;
+}
+
+void check_division(const Mesh& mesh, const Element& e, int divisions) {
+  Mesh beside = mesh;
+  for (int time = 0; !beside.arc.empty(); ++time) {
+    bows_of(beside, e);
+    if (time == divisions) return;
+    std::vector<bool> use;
+    for (const auto& edges : beside.edges_of)
+      use.push_back(std::ranges::any_of(edges, [&](Index k) { return beside.arc[k] != none; }));
+    beside = refine(part_without_cracks(std::move(beside), use));
+  }
 }
 
 const Bow* bow_at(const Bows& bows, Index edge) {

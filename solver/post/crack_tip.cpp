@@ -4,6 +4,7 @@
 #include "solver/system.hpp"
 
 #include "geometry/plane.hpp"
+#include "geometry/topology.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -80,14 +81,16 @@ std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
   return slope;
 }
 
-/// The same where the edges follow arcs: their tangents away from the tip, `count` of them.
-std::vector<Vec2> slopes_of_arcs(const Mesh& mesh, const Walk& w, std::size_t count) {
+/// The same where the edges follow arcs: their tangents away from the tip, `count` of them, each edge in so many parts.
+std::vector<Vec2> slopes_of_arcs(const Mesh& mesh, const Walk& w, std::size_t count, std::size_t parts) {
   std::vector<Vec2> slope(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t k = i + 1 < count ? i : i - 1;
+    const std::size_t k = (i + 1 < count ? i : i - 1) / parts;
     const auto e = static_cast<std::size_t>(w.edges[k]);
     const Arc& arc = mesh.arcs[static_cast<std::size_t>(mesh.arc[e])];
-    const double t = mesh.edges[e][0] == w.vertices[i] ? arc.from : arc.to;
+    const double along_edge = static_cast<double>(i - k * parts) / static_cast<double>(parts),
+                 place = mesh.edges[e][0] == w.vertices[k] ? along_edge : 1 - along_edge,
+                 t = arc.from + place * (arc.to - arc.from);
     const Vec2 tangent = (arc.axes * Vec2(-std::sin(t), std::cos(t))).normalized();
     const Vec2 along = mesh.points[w.vertices[k + 1]] - mesh.points[w.vertices[k]];
     slope[i] = tangent.dot(along) < 0 ? Vec2(-tangent) : tangent;
@@ -95,9 +98,9 @@ std::vector<Vec2> slopes_of_arcs(const Mesh& mesh, const Walk& w, std::size_t co
   return slope;
 }
 
-bool follows_arcs(const Mesh& mesh, const Walk& w, std::size_t edges) {
-  return !mesh.arc.empty() && std::all_of(w.edges.begin(), w.edges.begin() + static_cast<std::ptrdiff_t>(edges),
-                                          [&](Index e) { return mesh.arc[static_cast<std::size_t>(e)] != none; });
+bool follow_arcs(const Mesh& mesh, std::span<const Index> edges) {
+  return !mesh.arc.empty() &&
+         std::ranges::all_of(edges, [&](Index e) { return mesh.arc[static_cast<std::size_t>(e)] != none; });
 }
 
 /// Cut where the curve has turned too far or comes back, so that it is a graph over the distance from the tip.
@@ -112,15 +115,11 @@ void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
 
 /// The points of a walk, every edge divided into two so many times as `refine` divides it.
 std::vector<Vec2> places(const Mesh& mesh, const Walk& w, int divisions) {
-  std::vector<Vec2> x;
-  for (const Index v : w.vertices) x.push_back(mesh.points[v]);
-  for (int time = 0; time < divisions; ++time) {
-    std::vector<Vec2> finer{x.front()};
-    for (std::size_t i = 1; i < x.size(); ++i) {
-      finer.push_back((x[i - 1] + x[i]) / 2);
-      finer.push_back(x[i]);
-    }
-    x = std::move(finer);
+  std::vector<Vec2> x{mesh.points[w.vertices.front()]};
+  for (std::size_t i = 0; i < w.edges.size(); ++i) {
+    std::vector<Vec2> along = divided_edge(mesh, w.edges[i], divisions);
+    if (mesh.edges[w.edges[i]][0] != w.vertices[i]) std::ranges::reverse(along);
+    x.insert(x.end(), along.begin() + 1, along.end());
   }
   return x;
 }
@@ -134,8 +133,8 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int 
   x.resize((tip.curved ? smooth : straight) + 1);
   if (tip.curved) cut_to_graph(x, slopes(x));
   for (std::size_t i = 0; i + 1 < x.size(); ++i) tip.edges.push_back(w.edges[i >> divisions]);
-  const bool arcs = tip.curved && follows_arcs(mesh, w, tip.edges.size());
-  std::vector<Vec2> slope = arcs ? slopes_of_arcs(mesh, w, x.size()) : slopes(x);
+  const bool arcs = tip.curved && follow_arcs(mesh, tip.edges);
+  std::vector<Vec2> slope = arcs ? slopes_of_arcs(mesh, w, x.size(), std::size_t{1} << divisions) : slopes(x);
   const Vec2 back = (tip.curved ? slope.front() : x.back()).normalized();
   tip.frame << -back.x(), back.y(), -back.y(), -back.x();
   for (Vec2& v : x) v = Vec2(tip.frame.transpose() * v);

@@ -288,7 +288,8 @@ struct Beside {
   Material material;                       // CrackTip::frame aside
   std::span<const CrackPoint> profile;     // of all of the crack
   std::size_t points;                      // per edge
-  const std::vector<CrackEdge>* edges;     // of all of it; null where it is known in parts: straight
+  const std::vector<CrackEdge>* edges;     // of all of it; null where it is known in parts
+  std::span<const Index> here;             // per CrackTip::edges that of the model, or none where others have it
   double stress;                           // its size in the body
   std::span<const EdgeValues> fluid = {};  // in parts: its pressure per edge from the tip, as far as the rings reach
   double eigenstrain = 0;                  // Field::eigenstrain of the body
@@ -330,9 +331,9 @@ std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
     for (std::size_t k = 0; k < count; ++k) {
       const CrackPoint& p = tip.at_start ? profile[i * count + k] : profile[profile.size() - 1 - i * count - k];
       const Vec2 x = tip.frame.transpose() * (p.at - tip.at), along = tip.vertices[i + 1] - tip.vertices[i];
-      face.t.push_back(edge && bow_at(model.inner->skeleton.bows, edge->edge)
-                           ? trace_place(model, face.along_edge, static_cast<int>(k))
-                           : (x - tip.vertices[i]).dot(along) / along.squaredNorm());
+      const bool bowed = edge ? bow_at(model.inner->skeleton.bows, edge->edge) != nullptr : tip.follows;
+      face.t.push_back(bowed ? trace_place(model, face.along_edge, static_cast<int>(k))
+                             : (x - tip.vertices[i]).dot(along) / along.squaredNorm());
       face.points.push_back(p);
       face.points.back().sigma_n = -p.contact_pressure();
     }
@@ -544,8 +545,9 @@ double work_of_sliding(const Face& face, const Spot& p, const Auxiliary& f, bool
 
 /// What P . n leaves on curved faces besides the work of the tractions on the auxiliary fields. It tends to a constant
 /// towards the tip, that of T grows like r^-1/2, as does the work of friction in J. On the edges next to the tip, where
-/// the discrete fields are poor, it is continued like that from the next edge.
-Integrals over_curved_faces(const Model& model, const Field& state, const Disc& disc, std::span<const Face> faces) {
+/// the discrete fields are poor, it is continued like that from the next edge. `here`: Beside::here.
+Integrals over_curved_faces(const Model& model, const Field& state, const Disc& disc, std::span<const Face> faces,
+                            std::span<const Index> here_edges, const Sums& sums) {
   const CrackTip& tip = disc.tip;
   const std::size_t poor = std::min<std::size_t>(2, tip.edges.size() - 1);
   Integrals sum = Integrals::Zero();
@@ -553,16 +555,18 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
   for (std::size_t edge = poor; edge < tip.edges.size(); ++edge) {
     const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
     if (a.norm() >= disc.ring.front().outer) break;
-    const std::vector<Spot> all = spots(tip, edge);
-    const bool bowed = bow_at(model.inner->skeleton.bows, tip.edges[edge]);
+    const Index e = here_edges[edge];
+    const std::vector<Spot> all = e == none ? std::vector<Spot>() : spots(tip, edge);
+    const bool bowed = e != none && bow_at(model.inner->skeleton.bows, e);
     Points x(2, static_cast<Eigen::Index>(all.size()));
     for (std::size_t i = 0; i < all.size(); ++i)
       x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (bowed ? all[i].at : Vec2(a + all[i].place * (b - a)));
     const double curvature = cross(tip.slopes[edge + 1], tip.slopes[edge]) / (b - a).norm();
-    const bool away = (tip.frame * (b - a)).dot(tangent(model.mesh, tip.edges[edge])) > 0;
+    const bool away = e != none && (tip.frame * (b - a)).dot(tangent(model.mesh, e)) > 0;
     for (const bool upper : {true, false}) {
       // To the left of a walk away from the tip lies the lower face.
-      const Index t = model.mesh.sides[tip.edges[edge]][upper == away ? 1 : 0];
+      const Index t = e == none ? none : model.mesh.sides[e][upper == away ? 1 : 0];
+      if (t == none || t >= own_triangles(model)) continue;
       const Fields f = evaluate(model.inner->kernel, triangle(model, t), state.interior.col(t), x);
       const Eigen::Matrix4Xd free = eigenstrain_beyond_tip(model, disc, t, x);
       for (std::size_t i = 0; i < all.size(); ++i) {
@@ -590,6 +594,7 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
     work *= root;
   }
   sum.row(auxiliary) += work;
+  if (sums.add) sums.add({sum.data(), static_cast<std::size_t>(sum.size())});
   return sum;
 }
 
@@ -684,7 +689,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   Integrals I = over_ring(model, state, disc, c.triangles, sums) + work_of_tractions(disc, behind);
   Integrals fluid_error = Integrals::Zero();
   if (tip.curved) {
-    I += over_curved_faces(model, state, disc, behind);
+    I += over_curved_faces(model, state, disc, behind, crack.here, sums);
   } else {
     I.row(auxiliary) += work_on_faces(disc, behind);
     if (has_pressure(law)) I += work_of_fluid_rest(disc, law, behind, fluid_error);
@@ -739,8 +744,9 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
     if (tip.crack != crack) profile = crack_profile(model, state, tip.crack);
     crack = tip.crack;
     const std::vector<CrackEdge>& edges = model.mesh.cracks[crack];
-    Beside beside{tip,   material_at(model.mesh, model.scene, tip), profile, profile.size() / edges.size(), &edges,
-                  stress};
+    Beside beside{
+        tip,   material_at(model.mesh, model.scene, tip), profile, profile.size() / edges.size(), &edges, tip.edges,
+        stress};
     beside.eigenstrain = state.eigenstrain;
     beside.at_tip = eigenstrain_at(model, state.eigenstrain, model.mesh.sides[tip.edges.front()][0], tip.at).col(0);
     tips.push_back(intensity(model, state, beside));
@@ -766,6 +772,25 @@ std::vector<EdgeValues> fluid_behind(const CrackTip& tip, const CrackLaw& law) {
     values.push_back(edge_values(law.pressure, {a, b, Vec2(along.y(), -along.x())}, "pressure in a crack"));
   }
   return values;
+}
+
+/// Beside::here of a tip of the whole.
+std::vector<Index> edges_here(const Mesh& mesh, const CrackTip& tip) {
+  std::vector<Index> here(tip.edges.size(), none);
+  for (const CrackEdge& c : mesh.cracks[static_cast<std::size_t>(tip.crack)]) {
+    std::array<Vec2, 2> x;
+    for (std::size_t i = 0; i < 2; ++i)
+      x[i] = tip.frame.transpose() * (mesh.points[mesh.edges[static_cast<std::size_t>(c.edge)][i]] - tip.at);
+    if (x[1].squaredNorm() < x[0].squaredNorm()) std::swap(x[0], x[1]);
+    constexpr double rounding = 1e-6;
+    const double same = rounding * (x[1] - x[0]).norm();
+    const auto found =
+        std::ranges::lower_bound(tip.vertices, x[0].norm() - same, {}, [](const Vec2& v) { return v.norm(); });
+    const auto i = static_cast<std::size_t>(found - tip.vertices.begin());
+    if (i < here.size() && (tip.vertices[i] - x[0]).norm() <= same && (tip.vertices[i + 1] - x[1]).norm() <= same)
+      here[i] = c.edge;
+  }
+  return here;
 }
 
 /// At the tip, in the triangle on the left of the last edge of its crack: that of one process, on all.
@@ -804,13 +829,19 @@ std::vector<TipIntensity> SharedTips::intensities(const Model& part, const Field
   const bool strained = has_eigenstrain(part.scene);
   std::vector<TipIntensity> found;
   for (const Tip& t : tips_) {
-    if (t.tip.curved) {
+    if (t.tip.curved && (!t.tip.follows || has_pressure(part.scene.laws[t.tip.crack]))) {
       found.push_back(unknown(t.tip));
       continue;
     }
-    Beside beside{
-        t.tip,  t.material, profiles[t.tip.crack], static_cast<std::size_t>(part.inner->skeleton.per_edge) / 2, nullptr,
-        stress, t.fluid};
+    const std::vector<Index> here = edges_here(part.mesh, t.tip);
+    Beside beside{t.tip,
+                  t.material,
+                  profiles[t.tip.crack],
+                  static_cast<std::size_t>(part.inner->skeleton.per_edge) / 2,
+                  nullptr,
+                  here,
+                  stress,
+                  t.fluid};
     if (strained) {
       beside.eigenstrain = 1;
       beside.at_tip = eigenstrain_at_tip(part, t.tip, sums);

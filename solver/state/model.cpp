@@ -155,8 +155,9 @@ struct Prepared {
   struct Part {};
   Prepared(Mesh of, Kernel by, Scene under, int on, Part)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
-    data = scene_data(mesh, scene, kernel.load, threads);
-    skeleton = number(mesh, kernel, {scene, data});
+    const Bows bows = bows_of(mesh, kernel.element);
+    data = scene_data(mesh, scene, kernel.load, threads, bows);
+    skeleton = number(mesh, kernel, {scene, data}, bows);
   }
 
   /// As many more are fixed there as there are motions: the pins, which are those of the supports alone.
@@ -309,11 +310,11 @@ Floating floating_of(const Model& m, int divisions) {
   const Inner& inner = *m.inner;
   if (inner.floating.empty()) return {};
   Floating f{.motions = inner.floating};
-  const Skeleton unpinned = number(m.mesh, inner.kernel, {m.scene, inner.data});
+  const Skeleton unpinned = number(m.mesh, inner.kernel, {m.scene, inner.data}, inner.skeleton.bows);
   for (const Index u : pins(m.mesh, inner.kernel, unpinned, f.motions)) {
     const auto& [a, b] = m.mesh.edges[u / unpinned.per_edge];
     Pin p{{m.mesh.points[a], m.mesh.points[b]}, static_cast<int>(u % unpinned.per_edge)};
-    for (int k = 0; k < divisions; ++k) p.edge[1] = (p.edge[0] + p.edge[1]) / 2;  // as `refine` does
+    p.edge[1] = divided_edge(m.mesh, u / unpinned.per_edge, divisions)[1];
     f.pins.push_back(p);
   }
   return f;

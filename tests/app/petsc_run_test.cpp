@@ -179,7 +179,7 @@ name = "tall"
 path = [[0.92, 0.1], [0.9, 0.7]]
 contact = "open"
 )");
-  const std::string coarse = "--set mesh.size=0.1 --set mesh.crack_tip_size=0.05 --set mesh.curved=false";
+  const std::string coarse = "--set mesh.size=0.1 --set mesh.crack_tip_size=0.05";
   const json r = result(4, "petsc", "solve", coarse);
   expect_same_state(r, result(0, "cholmod", "solve", coarse), "contrast");
   EXPECT_LE(r["state"]["solver"]["iterations"], 30);
@@ -401,6 +401,30 @@ html = false
   expect_same_in_parts(square + material("0.3") + "eigenstrain = [\"0.1*x\", \"0.1*y*y\", 0.02]\n" +
                            crack("contact = \"open\"\n") + solver("bdms", 1),
                        3, coarse_in_parts);
+}
+
+// The middles of curved edges go onto their arcs on every process alike: holes, an ellipse between materials, cracks
+// that are open, touch and slide.
+TEST_F(DividedRun, CurvedEdges) {
+  const std::string body = square + material("0.3") + R"([[hole]]
+name = "h"
+circle = { center = [0.3, 0.3], radius = 0.15 }
+[[boundary]]
+on = "hole:h"
+pressure = "1 + x"
+[[region]]
+name = "stiff"
+ellipse = { center = [0.75, 0.25], semi_axes = [0.15, 0.1], angle_deg = 20 }
+young = 10
+poisson = 0.2
+)",
+                    arc =
+                        "[[crack]]\nname = \"c\"\n"
+                        "arc = { center = [0.55, 0.6], radius = 0.2, from_deg = 10, to_deg = 110 }\n",
+                    coarse = " --set mesh.size=0.12 --set mesh.crack_tip_size=0.04 --set mesh.refine=1 ";
+  expect_same_in_parts(body + "[body]\nforce = [\"x*y\", -1]\n" + arc + "contact = \"open\"\n" + solver("bdms", 2), 3,
+                       coarse);
+  expect_same_in_parts(body + arc + "friction = 0.3\n" + solver("bdms", 1), 2, coarse);
 }
 
 // Nothing answers a uniform pressure: its mean is 0, as one process has it.

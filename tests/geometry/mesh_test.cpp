@@ -1,6 +1,7 @@
 #include "kerf/mesh.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
+#include "kerf/folded.hpp"
 
 #include <gtest/gtest.h>
 
@@ -233,6 +234,22 @@ TEST(Refine, QuartersAndKeepsMarks) {
   }
   EXPECT_EQ(at, Vec2(3, 2));
   EXPECT_EQ(split(fine), 5);
+}
+
+// A flat triangle on an arc that rises above its other middles: the quarter between the three would turn over.
+TEST(Refine, NamesATriangleThatAnArcTurnsOver) {
+  const auto on_arc = [](double height) {
+    const double r = (1 + 0.04) / 0.4;  // through (-1, 0), (1, 0) and (0, 0.2)
+    Mesh m = connect({{-1, 0}, {1, 0}, {0, height}}, {{0, 1, 2}}, std::array{Marked{.a = 0, .b = 1, .label = 0}});
+    m.arc.assign(m.edges.size(), none);
+    m.arc[0] = 0;
+    m.arcs = {{{0, 0.2 - r}, r * Mat2::Identity(), pi - std::acos(1 / r), std::acos(1 / r)}};
+    return m;
+  };
+  const Mesh fine = refine(on_arc(0.5));
+  EXPECT_NEAR(fine.points[3].y(), 0.2, 1e-15);
+  EXPECT_EQ(std::ranges::count(fine.arc, none), Index(fine.edges.size()) - 2);
+  EXPECT_THROW(refine(on_arc(0.3)), FoldedTriangle);
 }
 
 bool holds(const Mesh& m, Index t, const Vec2& x, double slack) {

@@ -25,6 +25,15 @@ Mesh body() {
   return triangulate(shape, {.size = 0.2, .crack_tip_size = 0.1});
 }
 
+/// With a round hole, and an arc of a crack that runs along a border.
+Mesh curved_body() {
+  const Shape shape{.outline = polygon("outline", {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, 0),
+                    .holes = {circle("hole", {1.5, 0.5}, 0.2, 0)},
+                    .cracks = {{"middle", {{1, 0.2}, {1, 0.8}}, {}}, arc_crack("bent", {0.6, 0.5}, 0.25, -1.2, 1.3)},
+                    .labels = {"side"}};
+  return triangulate(shape, {.size = 0.2, .crack_tip_size = 0.1, .curved = true});
+}
+
 /// By x: the first crack lies between two of them.
 std::vector<Index> process_of(const Mesh& mesh) {
   std::vector<Index> process;
@@ -48,18 +57,38 @@ std::set<std::pair<double, double>> corners(const Mesh& mesh, Index t) {
   return all;
 }
 
-TEST(Spread, OwnTrianglesAreThoseOfTheDividedWhole) {
-  const Mesh coarse = body();
+/// By the points of its ends: what it follows.
+std::map<std::set<std::pair<double, double>>, std::set<double>> arcs_by_ends(const Mesh& mesh, Index own) {
+  std::map<std::set<std::pair<double, double>>, std::set<double>> arcs;
+  for (std::size_t e = 0; e < mesh.arc.size(); ++e) {
+    if (mesh.arc[e] == none || (mesh.sides[e][0] >= own && mesh.sides[e][1] >= own)) continue;
+    const Arc& arc = mesh.arcs[static_cast<std::size_t>(mesh.arc[e])];
+    std::set<std::pair<double, double>> ends;
+    for (const Index v : mesh.edges[e])
+      ends.insert({mesh.points[static_cast<std::size_t>(v)].x(), mesh.points[static_cast<std::size_t>(v)].y()});
+    arcs[ends] = {arc.from, arc.to, arc.center.x()};
+  }
+  return arcs;
+}
+
+class SpreadMesh : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Both, SpreadMesh, testing::Bool());
+
+TEST_P(SpreadMesh, OwnTrianglesAreThoseOfTheDividedWhole) {
+  const Mesh coarse = GetParam() ? curved_body() : body();
   Mesh fine = coarse;
   for (int k = 0; k < divisions; ++k) fine = refine(fine);
   std::set<std::set<std::pair<double, double>>> whole, found;
   for (Index t = 0; t < static_cast<Index>(fine.triangles.size()); ++t) whole.insert(corners(fine, t));
+  const auto of_whole = arcs_by_ends(fine, static_cast<Index>(fine.triangles.size()));
+  EXPECT_EQ(of_whole.empty(), !GetParam());
   std::size_t own = 0;
   for (const MeshPart& part : parts_of(coarse)) {
     own += static_cast<std::size_t>(part.own);
     for (Index t = 0; t < part.own; ++t) found.insert(corners(part.mesh, t));
     for (Index t = 0; t < static_cast<Index>(part.mesh.triangles.size()); ++t)
       EXPECT_EQ(t < part.own, part.process[static_cast<std::size_t>(t)] == part.process[0]);
+    for (const auto& [ends, arc] : arcs_by_ends(part.mesh, part.own)) EXPECT_EQ(arc, of_whole.at(ends));
   }
   EXPECT_EQ(own, fine.triangles.size());
   EXPECT_EQ(found, whole);  // bit for bit
@@ -116,10 +145,7 @@ TEST(Spread, EdgesOfCracksKnowWhereTheyBegin) {
 }
 
 TEST(Spread, WhatDoesNotFitIsRefused) {
-  Mesh mesh = body();
-  EXPECT_THROW(mesh_part(mesh, {0, 1}, 2, 0, 1), std::invalid_argument);
-  mesh.arc.assign(mesh.edges.size(), none);
-  EXPECT_THROW(mesh_part(mesh, process_of(mesh), count, 0, 1), std::invalid_argument);
+  EXPECT_THROW(mesh_part(body(), {0, 1}, 2, 0, 1), std::invalid_argument);
 }
 
 }  // namespace

@@ -76,6 +76,48 @@ TEST(Adaptive, RemeshingTakesFewerRoundsThanBisection) {
             1.5 * static_cast<double>(bisected.model.mesh.triangles.size()) + 500);
 }
 
+// Lame's ring under inner pressure, s = A I -+ B/r^2: new vertices lie on the arcs, so that the error falls at the
+// order of the element by either way.
+TEST(Adaptive, CurvedSidesStayCurvedAtTheRateOfTheElement) {
+  const Shape ring{circle("outline", {0, 0}, 2, 0), {circle("hole", {0, 0}, 1, 1)}, {}, {"rim", "hole"}, {}};
+  Scene scene;
+  scene.material = {1, 0.1};
+  scene.tractions.push_back({1, [](const Vec2&, const Vec2& n) { return Vec2(-n); }});
+  exact::ExactField f{"ring", scene.material};
+  f.stress = [](const Vec2& x, int) -> Mat2 {
+    const double r2 = x.squaredNorm();
+    return (Mat2::Identity() + 4 / r2 * (Mat2::Identity() - 2 / r2 * x * x.transpose())) / 3;
+  };
+  constexpr double energy = -pi * 0.5 * (0.4 / 3 + 4.0 / 3);
+  for (const Refinement way : {Refinement::Remesh, Refinement::Bisect}) {
+    std::vector<double> size, error;
+    for (const double wanted : {4e-3, 1e-4}) {
+      const Adapted a = solve_adaptively(ring, {.size = 0.7, .curved = true}, element("bdms", 2), scene,
+                                         {.error = wanted, .refinement = way});
+      EXPECT_EQ(a.stopped.rfind("reached", 0), 0u) << a.stopped;
+      size.push_back(static_cast<double>(a.model.mesh.triangles.size()));
+      double squares = 0, whole = 0;
+      const TriangleRule rule = triangle_rule(12);
+      for (Index t = 0; t < static_cast<Index>(a.model.mesh.triangles.size()); ++t) {
+        const Triangle cell = triangle(a.model, t);
+        const Points x = rule_points(rule, cell);
+        const Eigen::VectorXd w = area(cell) * rule_weights(rule, cell);
+        const Eigen::Matrix4Xd found = evaluate(a.model, a.state, t, x).stress;
+        for (Eigen::Index q = 0; q < x.cols(); ++q) {
+          const Mat2 there = f.stress(x.col(q), 0);
+          squares += w[q] * (tensor(found.col(q)) - there).squaredNorm();
+          whole += w[q] * there.squaredNorm();
+        }
+      }
+      error.push_back(std::sqrt(squares / whole));
+      EXPECT_LT(error.back(), 2 * wanted);
+      EXPECT_NEAR(area(a.model), 3 * pi, wanted);
+      EXPECT_NEAR(potential_energy(a.model, a.state), energy, 10 * wanted * wanted);
+    }
+    EXPECT_GT(std::log(error[0] / error[1]) / std::log(size[1] / size[0]), 0.8 * 3 / 2);
+  }
+}
+
 TEST(Adaptive, SaysWhyItStops) {
   const exact::ExactField f = exact::crack_case("III");
   const Square s = cracked(f);
