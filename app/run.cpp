@@ -363,13 +363,21 @@ Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with
   return analysis;
 }
 
-/// By what the iterations are solved, and by what the design; empty where that is the same.
-std::string note_on_elements(const Case& c, const Case& design) {
+/// By what the iterations are solved, and by what the design, and how much that matters for J; empty where it is the
+/// same.
+std::string note_on_elements(const Case& c, const Case& design, const OptimizeResult& found) {
   const Element &loop = c.optimize_element, &end = design.element;
   if (loop.name == end.name && loop.degree == end.degree && !design.sizing.curved) return {};
-  return fmt::format("the iterations are solved with {} {} on straight edges, the design with {} {}{}", loop.name,
-                     loop.degree, end.name, end.degree,
-                     design.sizing.curved ? " on edges that follow its curves" : " on straight edges");
+  const FinerDesign& finer = found.finer;
+  const bool compared = std::isfinite(finer.objective) && found.objective != 0 && c.optimize->level_set.ersatz == 0;
+  return fmt::format(
+      "the iterations are solved with {} {} on straight edges, the design with {} {}{}{}", loop.name, loop.degree,
+      end.name, end.degree, design.sizing.curved ? " on edges that follow its curves" : " on straight edges",
+      compared ? fmt::format(": J is {:.6g} by the former, and {:.6g} ({:+.2g} %) with {} {} on {} edges "
+                             "and a mesh of size {:.3g}",
+                             found.objective, finer.objective, 100 * (finer.objective / found.objective - 1),
+                             finer.element.name, finer.element.degree, finer.curved ? "curved" : "straight", finer.size)
+               : std::string());
 }
 
 Case optimize_design(const Case& c, Journal& journal, Result& r) {
@@ -379,7 +387,8 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
     r.reason = "the design violates a constraint: " + found.result.stopped.substr(found.result.stopped.find(' ') + 1);
   }
   Case design = designed(c, found.result);
-  if (std::string words = note_on_elements(c, design); !words.empty()) found.result.notes.push_back(std::move(words));
+  if (std::string words = note_on_elements(c, design, found.result); !words.empty())
+    found.result.notes.push_back(std::move(words));
   write_design_files(journal, c, found.result);
   journal.writer->finish();  // gmsh gets a child of this process, which is made while no other thread is at work
   try {

@@ -35,6 +35,7 @@ struct Problem {
   ContactMethod contact = ContactMethod::DualQp;
   bool plane_strain = true;  // how Young's modulus and Poisson's ratio of a drawn inclusion become a Material
   int threads = 1;
+  bool follow_curves = true;  // designs are judged with edges that follow their curves, where the element can
 };
 
 /// Another set of loads on the same body with the same supports: J is the sum of weight J(state under these loads).
@@ -130,6 +131,7 @@ constexpr std::string_view word(Ending ending) {
 struct FinerDesign {
   double size = 0;  // of the mesh, near which edges are
   Element element = bdms(1);
+  bool curved = false;  // its edges follow the curves of the design
   double objective = nan, volume_fraction = nan;
   std::vector<double> bounds;  // values of the bounded functionals
   /// Of those of stresses and release rates, on that mesh: `upper`, where there is one, is what the bound is judged by

@@ -274,7 +274,8 @@ Problem problem_of(const Case& c, int threads) {
           .objective = c.functional,
           .contact = c.contact,
           .plane_strain = c.plane_strain,
-          .threads = threads};
+          .threads = threads,
+          .follow_curves = c.curved.value_or(true)};
 }
 
 }  // namespace kerf

@@ -332,6 +332,7 @@ FinerDesign finer(const Json& from) {
   out.size = read_number(from, "size");
   for (const Element& e : elements)
     if (e.name == text(from, "element") && e.degree == from.value("degree", 1)) out.element = e;
+  out.curved = from.value("curved", false);
   out.objective = read_number(from, "objective");
   out.volume_fraction = read_number(from, "volume_fraction");
   out.violation = read_number(from, "violation");

@@ -420,11 +420,9 @@ Json nucleated_section(const std::vector<NucleatedHole>& holes) {
 }
 
 Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
-  Json out = {{"size", number(finer.size)},
-              {"element", finer.element.name},
-              {"degree", finer.element.degree},
-              {"objective", number(finer.objective)},
-              {"volume_fraction", number(finer.volume_fraction)},
+  Json out = {{"size", number(finer.size)},           {"element", finer.element.name},
+              {"degree", finer.element.degree},       {"curved", finer.curved},
+              {"objective", number(finer.objective)}, {"volume_fraction", number(finer.volume_fraction)},
               {"violation", number(finer.violation)}};
   for (std::size_t i = 0; i < std::min(names.bounds.size(), finer.bounds.size()); ++i) {
     Json row = {{"name", names.bounds[i]}, {"value", number(finer.bounds[i])}};

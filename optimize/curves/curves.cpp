@@ -617,7 +617,8 @@ void CurvesRun::look_closer() try {
   y.area = area_of(y.curves, &y.by_area);
   solves_ = before;
   weigh(y);
-  out_.finer = finer_design(finer, asked_, *y.solved, whole_);
+  if (is_judged_on_curves(finer, y.solved->shape)) out_.finer = solve_finer(p_, asked_, *y.solved, whole_);
+  if (!out_.finer || !out_.finer->failure.empty()) out_.finer = finer_design(finer, asked_, *y.solved, whole_);
   out_.finer->residual = y.residual;
 } catch (const Error& error) {
   if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;  // whoever judges will find out why

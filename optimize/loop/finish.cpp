@@ -1,5 +1,7 @@
 #include "optimize/loop/finish.hpp"
 
+#include "geometry/curved.hpp"
+#include "kerf/folded.hpp"
 #include "optimize/loop/history_text.hpp"
 #include "optimize/loop/intervals.hpp"
 #include "solver/error_bars.hpp"
@@ -23,7 +25,8 @@ bool limits_volume(const OptimizeRequest& r) {
 }
 
 std::string in_words(const FinerDesign& finer) {
-  return fmt::format("on a mesh of size {:.3g} with {} {}", finer.size, finer.element.name, finer.element.degree);
+  return fmt::format("on a mesh of size {:.3g} with {} {}{}", finer.size, finer.element.name, finer.element.degree,
+                     finer.curved ? " and curved edges" : "");
 }
 
 bool has_upper(const FinerDesign& finer, std::size_t k) {
@@ -121,8 +124,15 @@ Problem finer_problem(Problem p) {
   return p;
 }
 
+bool is_judged_on_curves(const Problem& p, const Shape& shape) {
+  return p.follow_curves && can_be_curved(p.element) && !arcs_of(shape).empty();
+}
+
 FinerDesign finer_design(const Problem& finer, const OptimizeRequest& r, const Evaluated& there, double whole) {
-  FinerDesign f{.size = finer.sizing.size, .element = finer.element, .objective = there.J};
+  FinerDesign f{.size = finer.sizing.size,
+                .element = finer.element,
+                .curved = !there.cases.front().model.mesh.arc.empty(),
+                .objective = there.J};
   f.bounds = there.bounds;
   f.volume_fraction = there.area / whole;
   f.intervals = intervals_of(there, finer.threads);
@@ -131,11 +141,18 @@ FinerDesign finer_design(const Problem& finer, const OptimizeRequest& r, const E
 }
 
 FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole) {
-  const Problem finer = finer_problem(std::move(p));
+  Problem finer = finer_problem(std::move(p));
   std::vector<Index> cracks(shape.cracks.size());
   std::iota(cracks.begin(), cracks.end(), Index{0});
+  const auto solved = [&] { return finer_design(finer, r, evaluate_design(finer, r, shape, cracks), whole); };
+  finer.sizing.curved = is_judged_on_curves(finer, shape);
   try {
-    return finer_design(finer, r, evaluate_design(finer, r, shape, cracks), whole);
+    try {
+      return solved();
+    } catch (const FoldedTriangle&) {
+      finer.sizing.curved = false;
+      return solved();
+    }
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     return {.size = finer.sizing.size, .element = finer.element, .failure = error.what()};

@@ -26,11 +26,14 @@ std::string violated(const OptimizeRequest& r, std::span<const double> bounds, d
 /// The problem by which designs are judged: half the mesh size, one degree more where the element has it.
 Problem finer_problem(Problem p);
 
+/// Whether that is done with edges that follow the curves of the design.
+bool is_judged_on_curves(const Problem& p, const Shape& shape);
+
 /// What a design is worth there. `finer`: that problem; `whole`: the area that volume fractions refer to.
 FinerDesign finer_design(const Problem& finer, const OptimizeRequest& r, const Evaluated& there, double whole);
 
-/// The design meshed and solved there, by the same loads and functionals. `p`: its scene and its functionals are those
-/// of the shape. What cannot be meshed or solved comes back as `failure`.
+/// The design meshed, on its curves where edges can follow them, and solved there, by the same loads and functionals.
+/// `p`: its scene and its functionals are those of the shape. What cannot be meshed or solved comes back as `failure`.
 FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape, double whole);
 
 /// The same of a design that was solved: its laws and functionals are those of its shape.

@@ -75,7 +75,7 @@ class CaseIntervals {
       if (!is_bounded(b)) return b;
       add(sum, scaled(term, b));
     }
-    if (arcs_of(e_.shape).empty()) return sum;
+    if (arcs_of(e_.shape).empty() || !c_.model.mesh.arc.empty()) return sum;
     if (!sum.guaranteed) sum.note = join({sum.note, of_polygon});
     qualify(sum, of_polygon);
     return sum;

@@ -131,8 +131,9 @@ std::string certificate(const Result& r) {
     for (std::size_t k = 0; k < std::min(o.finer.intervals.size(), r.optimize_names.bounds.size()); ++k)
       if (const std::string words = interval_in_words(o.finer, k, r.optimize_names); !words.empty())
         facts.add(escape_html(r.optimize_names.bounds[k]), words);
-    facts.add("its size and element", fmt::format("{}, {} of degree {}", pretty(o.finer.size),
-                                                  escape_html(o.finer.element.name), o.finer.element.degree));
+    facts.add("its size and element",
+              fmt::format("{}, {} of degree {}{}", pretty(o.finer.size), escape_html(o.finer.element.name),
+                          o.finer.element.degree, o.finer.curved ? " on curved edges" : ""));
   }
   return facts.html.empty() ? facts.html : "<h3>Certificate</h3>\n" + facts.table();
 }

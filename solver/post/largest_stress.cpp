@@ -31,7 +31,8 @@ std::vector<PointIn> points_near_largest(const Model& model, const Corners& corn
   std::ranges::stable_sort(large, std::greater<>(), [&](Index i) { return at_corners[i]; });
   std::vector<bool> chosen(static_cast<std::size_t>(at_corners.size()), false);
   for (std::size_t i = 0; i < std::min(most, large.size()); ++i)
-    if (at_corners[large[i]] >= near_largest * at_corners[large.front()]) chosen[static_cast<std::size_t>(large[i])] = true;
+    if (at_corners[large[i]] >= near_largest * at_corners[large.front()])
+      chosen[static_cast<std::size_t>(large[i])] = true;
   const Points places = lattice(4);
   std::vector<PointIn> points;
   for (Index t = 0; t < own_triangles(model); ++t) {

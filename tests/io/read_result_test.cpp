@@ -64,6 +64,7 @@ Result everything() {
   o.feasible = false;
   o.finer = {.size = 0.1,
              .element = bdms(2),
+             .curved = true,
              .objective = 1,
              .volume_fraction = 0.5,
              .bounds = {2},
