@@ -24,9 +24,10 @@ std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const doub
 Mesh longest_edges_first(Mesh mesh, bool mirrored_tips = false);
 
 /// The marked triangles halved, each at least once, and as many others as it takes that no edge ends in the middle of
-/// another. Labels, cracks and arcs carry over; new vertices lie on the middles of edges, of curved ones on their arcs. The descendants of a triangle, over
-/// all rounds, have at most four shapes, if the first mesh came from longest_edges_first those of halved longest edges.
-/// `mirrored_tips`: where the mesh around a crack tip is its own mirror image in the crack, it stays so.
+/// another. Labels, cracks and arcs carry over; new vertices lie on the middles of edges, of curved ones on their arcs.
+/// The descendants of a triangle, over all rounds, have at most four shapes, if the first mesh came from
+/// longest_edges_first those of halved longest edges. `mirrored_tips`: where the mesh around a crack tip is its own
+/// mirror image in the crack, it stays so.
 Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips = false);
 
 }  // namespace kerf

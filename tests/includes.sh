@@ -17,9 +17,9 @@ declare -A below=(
 )
 # The room that a public header belongs to.
 declare -A home=(
-  [types]=geometry [stop]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry
+  [types]=geometry [stop]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry [folded]=geometry
   [material]=solver [field]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
-  [fracture]=solver [bounds]=solver [adaptive]=solver [folded]=solver
+  [fracture]=solver [bounds]=solver [adaptive]=solver
   [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [derivative_bounds]=topo [second_order]=topo [validate]=topo [shape_gradient]=topo [units]=topo
   [design]=optimize [optimize]=optimize [inverse]=optimize
   [case_file]=io [mesh_file]=io [vtk]=io [kerf]=io

@@ -92,8 +92,8 @@ std::vector<Index> locate(const Mesh& mesh, std::span<const Vec2> points);
 /// A triangle of least distance to a finite point, wherever that lies; none if there are no triangles.
 Index nearest_triangle(const Mesh& mesh, const Locator& locator, const Vec2& point);
 
-/// Every triangle into four similar ones; beside curved edges, whose middles lie on their arcs, nearly so. Labels, cracks
-/// and arcs carry over. Throws FoldedTriangle (kerf/folded.hpp) where a middle on an arc turns a triangle over.
+/// Every triangle into four similar ones; beside curved edges, whose middles lie on their arcs, nearly so. Labels,
+/// cracks and arcs carry over. Throws FoldedTriangle (kerf/folded.hpp) where a middle on an arc turns a triangle over.
 Mesh refine(const Mesh& mesh);
 
 }  // namespace kerf
