@@ -43,8 +43,8 @@ void require_finite(const Functional& j, const Model& model);
 /// Throws Error(Usage) for a functional that does not know what an eigenstrain, or a pressure in its crack, does to it.
 void require_known_loads(const Functional& j, const Model& model);
 
-/// Whether the map takes the fields of a point of its own, so that it is made at listed points only: a clamped hole in a
-/// J that is neither an energy nor linear in the state, or that sees contact.
+/// Whether the map takes the fields of a point of its own, so that it is made at listed points only: a clamped hole in
+/// a J that is neither an energy nor linear in the state, or that sees contact.
 bool needs_points(const Model& model, const Functional& j, const Perturbation& p);
 
 /// No eigenstrain and no prescribed displacement but 0: then the compliance is -2 times the potential energy.

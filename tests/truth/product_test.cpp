@@ -11,7 +11,6 @@
 #include "kerf/adaptive.hpp"
 #include "kerf/map.hpp"
 #include "topo/analysis.hpp"
-#include "topo/formulas/kind.hpp"
 
 #include <fmt/format.h>
 
@@ -304,7 +303,7 @@ class Product : public Truth {
     require_supports(c.functional, *body.model);
     const Analysis a = analyze(c.functional, *body.model, body.state);
     Perturbation p = c.map_request.perturbation;
-    if (is_directed(p)) p.angle = angle;
+    if (p.kind == Perturbation::Kind::Ellipse || p.kind == Perturbation::Kind::Crack) p.angle = angle;
     Known k;
     for (const double r : radii) {
       const MapPoint point = map_at(a, c.functional, {.perturbation = p, .radius = r}, {&s.where.at, 1})[0];
