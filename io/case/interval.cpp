@@ -72,7 +72,7 @@ Interval power(const Interval& a, int n) {
 }
 
 Interval power(const Interval& a, double p) {
-  if (a.high < 0) return whole_line;
+  if (a.high < 0 || (a.low < 0 && p == std::floor(p))) return whole_line;
   const auto raised = [p](double v) { return std::pow(std::max(v, 0.0), p); };
   const double left = raised(a.low), right = raised(a.high);
   const double low = std::min(left, right), high = std::max(left, right);

@@ -20,13 +20,19 @@ inline constexpr int strain_degree = 4;  // of the polynomials of eigenstrains t
 struct StrainShare {
   double square = 0, stress = 0;  // the mean of |p - its projection onto P4|^2; the largest |p|
   double elastic = 0;             // the energy of v
-  double gradient = 0;            // largest
+  double strain = 0;              // the largest of v, less the polynomial of a body's eigenstrain
   double force = 0;               // where nothing may change its volume: |(f, w)| <= force |grad w| for w in H^1_0(T)
 };
+/// Of a displacement's gradient: rotations do no work on an eigenstrain.
+inline double largest_strain(const Mat2& gradient) {
+  return std::max(
+      {std::abs(gradient(0, 0)), std::abs(gradient(1, 1)), 0.5 * std::abs(gradient(0, 1) + gradient(1, 0))});
+}
 struct Share : StrainShare {  // of one triangle
   double lower = 0, upper = 0, size = 0, asymmetry = 0;
   double rough = 0;             // |grad v - polynomials that (f - f_h) does not see|
   double largest = 0;           // |v| at its nodes
+  double gradient = 0;          // largest
   double divergence = 0;        // largest: div v where nothing may change its volume
   double below = 0, above = 0;  // what of the eigenstrain the polynomials do not see may move the bounds by
   double rules = 0;             // on curved cells what of `below` and `above` is between two rules

@@ -238,7 +238,7 @@ double eigenstrain_unseen(const Material& material, const Triangle& t, double re
   return area(t) * (std::sqrt(rest * together(u.square, w.square, k)) + error * stress) +
          moved_by_eigenstrain(
              material, t, rest, error,
-             {together(u.elastic, w.elastic, k), u.gradient + k * w.gradient, stress, u.force + k * w.force});
+             {together(u.elastic, w.elastic, k), u.strain + k * w.strain, stress, u.force + k * w.force});
 }
 
 double together(double u, double w, double k) {

@@ -219,6 +219,7 @@ void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Ma
     }
     worst = std::max(worst, std::abs(g.trace() + h.trace()));
     share.gradient = std::max(share.gradient, g.cwiseAbs().maxCoeff());
+    share.strain = std::max(share.strain, largest_strain(g) + largest_strain(h));
   }
   const double alpha = material.c == 0 ? 1 : a[0] > 0 ? -(b[0] - added_work[0]) / (2 * a[0]) : 0;
   const auto less_work = [&](std::size_t i) {

@@ -534,7 +534,7 @@ class LaneBounding {
     ring_shares_[static_cast<std::size_t>(lane)][static_cast<std::size_t>(rings_.column(cell.t, lane))] = s;
     sums.below[lane] += cell.area * (std::sqrt(left.rest * s.square) + left.error * s.stress);
     sums.above[lane] += moved_by_eigenstrain(cell.material, cell.shape, left.rest, left.error,
-                                             {s.elastic, s.gradient, s.stress, s.force});
+                                             {s.elastic, s.strain, s.stress, s.force});
   }
 
   /// As that of two states.

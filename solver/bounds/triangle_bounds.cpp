@@ -286,7 +286,7 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
                        keep);
     if (leaves_strain(t))
       share.above += moved_by_eigenstrain(material, cell, strain().rest[column(t)], strain().error[column(t)],
-                                          {share.elastic, share.gradient, share.stress, share.force});
+                                          {share.elastic, share.strain, share.stress, share.force});
     for (const Index i : edges) {
       const double work = work_on_edge(i);
       share.upper -= work;
@@ -303,7 +303,7 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
   const Points dx = v * r.field_slope_at_rule[0].transpose(), dy = v * r.field_slope_at_rule[1].transpose();
   // J(v + alpha w) = e + alpha b + alpha^2 a; the least one. Without compressibility the divergence must vanish.
   double e = 0, b = 0, a = 0, size = 0;
-  std::array<double, 2> worst{0, 0};
+  std::array<double, 2> worst{0, 0}, strained{0, 0};  // the latter of v and w
   // z: what v has beyond polynomials of degree trace + 1; squares and product of the gradients of z and w.
   double zz = 0, zw = 0, ww = 0;
   Points zx, zy;
@@ -358,6 +358,8 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
     }
     worst[0] = std::max(worst[0], std::abs(volume + own_volume));
     worst[1] = std::max(worst[1], whole.cwiseAbs().maxCoeff());
+    strained[0] = std::max(strained[0], largest_strain(g));
+    strained[1] = std::max(strained[1], largest_strain(h));
   }
   const double alone = e, with_own = b, own_alone = a;
   size += e;
@@ -391,9 +393,11 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
     share.kept_strain += alpha * own_strain;
     share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
   }
+  // The field of a nucleus, whose rules see it whole, is small beside v.
+  share.strain = loads ? worst[1] : strained[0] + std::abs(alpha) * strained[1];
   if (free.cols() > 0) {
     share.above = moved_by_eigenstrain(material, shape, strain().rest[column(t)], strain().error[column(t)],
-                                       {share.elastic, worst[1], share.stress, share.force});
+                                       {share.elastic, share.strain, share.stress, share.force});
   }
   const double square = zz + alpha * (2 * zw + alpha * ww);
   share.rough = std::sqrt(std::max(0.0, square));
