@@ -1,6 +1,8 @@
 #include "solver/adapting.hpp"
 
 #include "geometry/curved.hpp"
+#include "geometry/plane.hpp"
+#include "solver/post/chords.hpp"
 #include "solver/system.hpp"
 
 #include <Eigen/LU>
@@ -13,39 +15,68 @@ namespace kerf {
 namespace {
 
 /// The curvature of the arc at the foot of a point that the mesh has put near it.
-double curvature(const Arc& arc, const Vec2& x) {
+double curvature_at(const Arc& arc, const Vec2& x) {
   const Vec2 y = arc.axes.inverse() * (x - arc.center);
   const double t = std::atan2(y.y(), y.x());
   const Vec2 first = arc.axes * Vec2(-std::sin(t), std::cos(t)), second = arc.axes * Vec2(-std::cos(t), -std::sin(t));
   return std::abs(cross(first, second)) / std::pow(first.norm(), 3);
 }
 
-/// Whether the point lies on the arc, up to what keeps the area of a whole circle: less than the height of the chord.
-bool on_arc(const Arc& arc, const Vec2& x, double tolerance) {
+/// How far a point is from the arc, infinite beyond its ends.
+double distance_to(const Arc& arc, const Vec2& x) {
   const Vec2 y = arc.axes.inverse() * (x - arc.center);
   const double radius = y.norm(), reach = arc.axes.colwise().norm().minCoeff();
-  if (std::abs(radius - 1) * reach > tolerance) return false;
   const double sweep = arc.to - arc.from, slack = 1e-6;
   const double t = std::atan2(y.y(), y.x());
   const double along = sweep > 0 ? std::fmod(std::fmod(t - arc.from, 2 * pi) + 2 * pi, 2 * pi)
                                  : std::fmod(std::fmod(arc.from - t, 2 * pi) + 2 * pi, 2 * pi);
-  return along <= std::abs(sweep) + slack || along >= 2 * pi - slack;
+  return along <= std::abs(sweep) + slack || along >= 2 * pi - slack ? std::abs(radius - 1) * reach : infinity;
 }
 
-/// Of the arc that an edge is a part of a chord of, which is as long as `h`; 0 for none.
-double chord_curvature(const std::vector<Arc>& arcs, const Vec2& a, const Vec2& b, double h) {
-  for (const Arc& arc : arcs) {
-    const double k = curvature(arc, 0.5 * (a + b)), height = h * h * k / 4 + 1e-9 * h;
-    if (on_arc(arc, a, height) && on_arc(arc, b, height)) return k;
-  }
-  return 0;
+/// Twice the height of a chord over its arc: what keeps the area of a whole circle moves its ends by less.
+double twice_height(double h, double curvature) {
+  const double half = std::min(0.5 * h * curvature, 1.0);
+  return 2 * half * half / (1 + std::sqrt(1 - half * half)) / curvature;
 }
 
 }  // namespace
 
+Chords::Chords(const Shape& shape) : arcs_(arcs_of(shape)) {
+  const auto add = [&](const Loop& loop) {
+    for (std::size_t i = 0; i < loop.sides.size(); ++i)
+      if (!loop.sides[i].arc) straight_.push_back({loop.sides[i].start, loop.sides[(i + 1) % loop.sides.size()].start});
+  };
+  add(shape.outline);
+  for (const Loop& hole : shape.holes) add(hole);
+  for (const Loop& region : shape.regions) add(region);
+  for (const Crack& crack : shape.cracks)
+    for (std::size_t i = 0; i + 1 < crack.points.size() && !crack.arc; ++i)
+      straight_.push_back({crack.points[i], crack.points[i + 1]});
+}
+
+bool Chords::is_straight(const Vec2& a, const Vec2& b) const {
+  constexpr double rounding = 1e-9;
+  const double near = rounding * (b - a).norm();
+  return std::ranges::any_of(straight_, [&](const std::array<Vec2, 2>& side) {
+    return distance(a, side[0], side[1]) <= near && distance(b, side[0], side[1]) <= near;
+  });
+}
+
+double Chords::curvature(const Vec2& a, const Vec2& b, double h) const {
+  constexpr double widest = 2.7;  // radii: the side of the triangle that has the area of its circle
+  double nearest = infinity, found = 0;
+  for (const Arc& arc : arcs_) {
+    const double k = curvature_at(arc, 0.5 * (a + b)), off = std::max(distance_to(arc, a), distance_to(arc, b));
+    if (h * k > widest || off > twice_height(h, k) + 1e-9 * h || off >= nearest) continue;
+    nearest = off;
+    found = k;
+  }
+  return found > 0 && !is_straight(a, b) ? found : 0;
+}
+
 void add_chords(const Shape& shape, int divisions, const Model& m, const State& s, Indicator& indicator) {
-  const std::vector<Arc> arcs = arcs_of(shape);
-  if (arcs.empty() || !std::isfinite(indicator.relative)) return;
+  const Chords chords(shape);
+  if (chords.empty() || !std::isfinite(indicator.relative)) return;
   constexpr double zeta_3 = 1.2020569031595942;
   const Index own = own_triangles(m);
   Eigen::VectorXd lost = Eigen::VectorXd::Zero(indicator.eta.size());
@@ -56,7 +87,7 @@ void add_chords(const Shape& shape, int divisions, const Model& m, const State& 
       if (m.mesh.label[k] == none && m.mesh.crack[k] == none && !is_interface(m.mesh, e)) continue;
       const Vec2 &a = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][0])],
                  &b = m.mesh.points[static_cast<std::size_t>(m.mesh.edges[k][1])];
-      const double h = std::ldexp((b - a).norm(), divisions), bend = chord_curvature(arcs, a, b, h);
+      const double h = std::ldexp((b - a).norm(), divisions), bend = chords.curvature(a, b, h);
       if (!(bend > 0)) continue;
       const double size = evaluate(m, s, t, 0.5 * (a + b)).stress.squaredNorm(),
                    of_chord = size * std::pow(h * h * bend, 2) * (zeta_3 / (2 * std::pow(pi, 3)) + h * bend / 144);
