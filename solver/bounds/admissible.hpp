@@ -20,7 +20,7 @@ inline constexpr int strain_degree = 4;  // of the polynomials of eigenstrains t
 struct StrainShare {
   double square = 0, stress = 0;  // the mean of |p - its projection onto P4|^2; the largest |p|
   double elastic = 0;             // the energy of v
-  double strain = 0;              // the largest of v, less the polynomial of a body's eigenstrain
+  double strain = 0;              // the largest of v, less the polynomial of the eigenstrain
   double force = 0;               // where nothing may change its volume: |(f, w)| <= force |grad w| for w in H^1_0(T)
 };
 /// Of a displacement's gradient: rotations do no work on an eigenstrain.

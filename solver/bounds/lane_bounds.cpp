@@ -359,7 +359,7 @@ class LaneBounding {
 
   /// What is gathered in a triangle of a ring on the way.
   struct RingSums {
-    Row square = Row::Zero(), stress = Row::Zero(), gradient = Row::Zero(), elastic = Row::Zero();
+    Row square = Row::Zero(), stress = Row::Zero(), strain = Row::Zero(), elastic = Row::Zero();
   };
 
   static Eigen::Map<const Row> at(const std::vector<double>& rows, Eigen::Index i) {
@@ -410,6 +410,22 @@ class LaneBounding {
     of_ring.stress = largest[0].max(largest[1]).max(largest[2]);
   }
 
+  static void put_rows(std::vector<Row>& rows, Eigen::Index mode, const std::array<Row, 3>& of) {
+    for (std::size_t c = 0; c < 3; ++c) rows[3 * static_cast<std::size_t>(mode) + c] = of[c];
+  }
+  /// Of three components, at the points of the rule.
+  static Row largest_of(const Modes& modes, const std::vector<Row>& rows) {
+    Row largest = Row::Zero();
+    for (Eigen::Index q = 0; q < modes.values.rows(); ++q)
+      for (std::size_t c = 0; c < 3; ++c) {
+        Row at = Row::Zero();
+        for (Eigen::Index r = 0; r < modes.count; ++r)
+          at += modes.values(q, r) * rows[3 * static_cast<std::size_t>(r) + c];
+        largest = largest.max(at.abs());
+      }
+    return largest;
+  }
+
   /// As Bounding::upper.
   void upper(const Cell& cell, const Way& way, Room& room, Sums& sums, RingSums& of_ring) {
     const Modes& modes = way.modes;
@@ -420,12 +436,15 @@ class LaneBounding {
     const double mu = cell.material.mu, bulk = 1 / (4 * cell.material.c);
     Row e = Row::Zero(), b = Row::Zero(), a = Row::Zero(), ww = Row::Zero();
     Row with_g = Row::Zero(), with_h = Row::Zero(), size_g = Row::Zero(), size_h = Row::Zero();
-    Row largest[4] = {Row::Zero(), Row::Zero(), Row::Zero(), Row::Zero()};
+    // Of a ring 11, 22 and 12 of v, less the eigenstrain, and of the correction: a row per mode.
+    std::vector<Row> strain_of_v(way.ring ? 3 * static_cast<std::size_t>(count) : 0, Row::Zero()),
+        strain_added = strain_of_v;
     for (Eigen::Index r = 0; r < count; ++r) {
       const LaneMat h = rotated_gradients(cell.J, room.correction.data() + r * lanes, count * lanes, cell.inverse);
       const Row own_volume = h.m[0][0] + h.m[1][1], own_difference = h.m[0][0] - h.m[1][1],
                 own_shear = h.m[0][1] + h.m[1][0];
       a += 0.5 * (mu * (own_difference * own_difference + own_shear * own_shear) + bulk * own_volume * own_volume);
+      if (way.ring) put_rows(strain_added, r, {h.m[0][0], h.m[1][1], 0.5 * own_shear});
       ww += h.m[0][0] * h.m[0][0] + h.m[0][1] * h.m[0][1] + h.m[1][0] * h.m[1][0] + h.m[1][1] * h.m[1][1];
       const double *d = way.own + 4 * count + r, u_difference = mu * (d[0] - d[3 * count]),
                    u_shear = mu * (d[count] + d[2 * count]), u_volume = bulk * (d[0] + d[3 * count]);
@@ -438,13 +457,12 @@ class LaneBounding {
       if (r < slopes) {
         g11 = at(room.gradient, r), g22 = at(room.gradient, 3 * slopes + r);
         shear = at(room.gradient, slopes + r) + at(room.gradient, 2 * slopes + r);
-        if (way.ring)
-          for (int k = 0; k < 4; ++k) largest[k] += modes.peak[r] * at(room.gradient, k * slopes + r).abs();
       }
       if (strained) {
         g11 -= at(way.ring->strain, r), g22 -= at(way.ring->strain, strains + r);
         shear -= 2 * at(way.ring->strain, 2 * strains + r);
       }
+      if (way.ring) put_rows(strain_of_v, r, {g11, g22, 0.5 * shear});
       const Row volume = g11 + g22, difference = g11 - g22;
       e += 0.5 * (mu * (difference * difference + shear * shear) + bulk * volume * volume);
       b += mu * (difference * own_difference + shear * own_shear) + bulk * volume * own_volume;
@@ -461,7 +479,7 @@ class LaneBounding {
     sums.crossed_upper += way.active * 0.5 * cell.area * (with_g + alpha * with_h);
     sums.crossed_size += way.active * 0.5 * cell.area * (size_g + alpha.abs() * size_h);
     of_ring.elastic = cell.area * (alone + alpha * (with_own + alpha * a));
-    of_ring.gradient = largest[0].max(largest[1]).max(largest[2]).max(largest[3]);
+    if (way.ring) of_ring.strain = largest_of(modes, strain_of_v) + alpha.abs() * largest_of(modes, strain_added);
     Row moved = Row::Zero();
     for (int i = 0; i < 2 * by_.per_triangle; ++i) moved = moved.max(at(room.nodal, i).abs());
     put_size(cell.t, way.active, moved, (cell.area * ww).sqrt() * alpha.abs());
@@ -523,7 +541,7 @@ class LaneBounding {
     for (int lane = 0; lane < states_.count; ++lane) {
       if (!(way.active[lane] > 0)) continue;
       const double force = diameter(cell.shape) / pi * std::sqrt(cell.area * pull[lane]) + way.ring->left_out[lane];
-      put_share(cell, lane, {of.square[lane], of.stress[lane], of.elastic[lane], of.gradient[lane], force},
+      put_share(cell, lane, {of.square[lane], of.stress[lane], of.elastic[lane], of.strain[lane], force},
                 {way.ring->rest[lane], way.ring->error[lane]}, sums);
     }
   }

@@ -393,8 +393,7 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
     share.kept_strain += alpha * own_strain;
     share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
   }
-  // The field of a nucleus, whose rules see it whole, is small beside v.
-  share.strain = loads ? worst[1] : strained[0] + std::abs(alpha) * strained[1];
+  share.strain = strained[0] + std::abs(alpha) * strained[1];
   if (free.cols() > 0) {
     share.above = moved_by_eigenstrain(material, shape, strain().rest[column(t)], strain().error[column(t)],
                                        {share.elastic, share.strain, share.stress, share.force});
