@@ -187,6 +187,13 @@ Oscillation oscillation_squared(const std::vector<Rest>& rests, const std::vecto
   return o;
 }
 
+/// Of a boundary edge that is held along its normal: nothing but that, at 0.
+bool is_plain_roller(const Skeleton& s, Index e) {
+  for (Index u = edge_unknown(s, e); u < edge_unknown(s, e) + s.per_edge; u += 2)
+    if (s.prescribed[u] != 0 || s.fixed[u + 1]) return false;
+  return true;
+}
+
 /// What of triangles with curved edges the bounds do not know; null: nothing.
 const char* unavailable_on_arcs(const Model& m) {
   if (m.mesh.arc.empty()) return nullptr;
@@ -194,8 +201,9 @@ const char* unavailable_on_arcs(const Model& m) {
     if (m.mesh.arc[e] == none) continue;
     if (m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind == CrackLaw::Kind::Unilateral)
       return "no bounds of the energy: contact on curved faces (mesh.curved)";
-    if (m.inner->skeleton.bent_at[e] != none && m.mesh.label[e] != none)
-      return "no bounds of the energy: a curved side that is held along its normal (mesh.curved)";
+    if (rolls_along_curve(m, static_cast<Index>(e)) && !is_plain_roller(m.inner->skeleton, static_cast<Index>(e)))
+      return "no bounds of the energy: a displacement, not 0, that is given along the normal of a curved side "
+             "(mesh.curved)";
   }
   const StrainData& strain = m.inner->data.strain;
   for (Index t = 0; strain.degree > 0 && t < static_cast<Index>(strain.coefficients.cols()); ++t)
@@ -371,6 +379,17 @@ double imbalance_on(const Model& m, const EdgeWork& at) {
   const CrackLaw::Kind kind = crack == none ? CrackLaw::Kind::Bonded : m.scene.laws[crack].kind;
   const EdgeData* d = at.given;
   double total = 0;
+  if (d && d->bent) {  // the component along the curve alone is free
+    const Skeleton& s = m.inner->skeleton;
+    for (Index g = 0; g < points; ++g) {
+      Vec2 rest = at.side[0].col(g) + at.side[1].col(g);
+      for (int q = 0; q < data_carriers; ++q)
+        rest -= carrier.w[q] / trace.w[g] * trace_basis(trace, carrier.s[q])[g] * d->load.col(q);
+      const double along = frame_at(s, at.edge, static_cast<int>(g)).col(1).dot(s.frame[at.edge] * rest);
+      total += trace.w[g] * std::abs(along * at.base[2 * g + 1]);
+    }
+    return length(m.mesh, at.edge) * total;
+  }
   for (Index g = 0; g < points; ++g)
     for (int k = 0; k < 2; ++k) {
       if (d && d->held[k]) continue;
@@ -426,6 +445,23 @@ EnergyBounds energy_interval(const Model& m, const EnergySums& of) {
 
 namespace {
 
+/// The integral of the square of what the stress has along a roller beyond the load there. At the Gauss points of the
+/// trace it has nothing, between them the product of two polynomials of its degree.
+double left_along_curve(const Model& m, const EdgeData& d, const Tractions& tractions) {
+  static const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
+  const Skeleton& s = m.inner->skeleton;
+  const EdgeRule& trace = m.inner->kernel.trace;
+  const Eigen::Index points = trace.w.size();
+  const Points rest =
+      tractions.middleCols(points * d.side, points) * traces(trace, sample.s) - d.load * traces(carrier, sample.s);
+  double square = 0;
+  for (Eigen::Index q = 0; q < rest.cols(); ++q) {
+    const Vec2 along = frame_between(m.mesh, s, d.edge, sample.s[q]).col(1);
+    square += sample.w[q] * std::pow(along.dot(s.frame[d.edge] * rest.col(q)), 2);
+  }
+  return length(m.mesh, d.edge) * square;
+}
+
 /// Fills in the fields and what the triangles contribute. `solved`: what the displacement follows.
 void fill(const Field& solved, const Eigen::MatrixXd& statics, int inside, bool keep, AdmissiblePair& a) {
   const Model& m = a.m;
@@ -436,6 +472,8 @@ void fill(const Field& solved, const Eigen::MatrixXd& statics, int inside, bool 
       std::max({inside, degree_inside(m, a.f.nodal.cols() > 0 && !a.f.balanced, false), m.inner->data.strain.degree});
   a.references = std::make_shared<const References>(references(m.element, degree, a.f, !m.mesh.arc.empty()));
   a.shares = bound_triangles({m, a.f, a.data, a.conforming, keep}, *a.references, solved, statics, a.edges);
+  for (EdgeData& d : a.data)
+    if (d.bent) d.left_out += left_along_curve(m, d, a.shares[static_cast<std::size_t>(d.triangle)].tractions);
   a.rests = rests_of(m, a.data, a.f, a.edges);
   a.sum = total(a.shares, own_triangles(m));
 }

@@ -227,6 +227,16 @@ Vec2 mean_trace(const Model& m, const Field& s, Index e, int side) {
   return mean;
 }
 
+/// The same of a roller along a curve, whose frames turn.
+Vec2 mean_in_frame(const Model& m, const Field& s, Index e) {
+  const Skeleton& skeleton = m.inner->skeleton;
+  Vec2 mean = Vec2::Zero();
+  for (Eigen::Index g = 0; g < m.inner->kernel.trace.w.size(); ++g)
+    mean += m.inner->kernel.trace.w[g] * frame_at(skeleton, e, static_cast<int>(g)) *
+            s.skeleton.segment<2>(e * skeleton.per_edge + 2 * static_cast<Index>(g));
+  return skeleton.frame[e].transpose() * mean;
+}
+
 double mean_opening(const Model& m, const Field& s, Index e) {
   return std::max(0.0, mean_trace(m, s, e, 1).x() - mean_trace(m, s, e, 0).x());
 }
@@ -249,7 +259,8 @@ void correct_corners(const Model& m, const Field& s, const Nodes& nodes, const s
       for (int k = 0; k < 2; ++k)
         if (d.held[k]) {
           const Index vertex = m.mesh.edges[d.edge][end];
-          const Held here{m.inner->skeleton.frame[d.edge].col(k), d.ends(k, end)};
+          const Held here = d.bent ? Held{frame_between(m.mesh, m.inner->skeleton, d.edge, end).col(k), 0}
+                                   : Held{m.inner->skeleton.frame[d.edge].col(k), d.ends(k, end)};
           held[nodes.corner(d.triangle, vertex)].push_back(here);
           at_vertex[vertex].push_back(here);
         }
@@ -417,9 +428,10 @@ void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std
       if (m.mesh.sides[e][side] == none || (side == 1 && m.mesh.sides[e][0] != none && nodes.mesh.crack[e] == none))
         continue;
       const Points here = frame.transpose() * edge_values(nodes, v, e, side);
-      const Vec2 wanted = mean_trace(m, s, e, side);
+      const bool bent = given[e] && given[e]->bent;
+      const Vec2 wanted = bent ? mean_in_frame(m, s, e) : mean_trace(m, s, e, side);
       for (int k = 0; k < 2; ++k) {
-        const Eigen::RowVectorXd change = given[e] && given[e]->held[k]
+        const Eigen::RowVectorXd change = given[e] && given[e]->held[k] && !bent
                                               ? towards_data(fit, rule, here.row(k), given[e]->displacement.row(k))
                                               : bubble_of_mean(rule, wanted[k] - here.row(k).dot(rule.w));
         for (int i = 1; i < degree; ++i) v.col(nodes.on_edge(e, side, i)) += change[i] * frame.col(k);
@@ -449,6 +461,10 @@ class Bubbles {
       : m_(m), degree_(m.element.trace + 1), at_carrier_(traces(even(degree_), fit_.carrier.s)) {}
 
   void add(const EdgeData& d, const Points& here, Conforming& result) const {
+    if (d.bent) {
+      add_bent(d, here, result);
+      return;
+    }
     EdgePolynomial value = here * at_carrier_, bubble = EdgePolynomial::Zero();
     for (int k = 0; k < 2; ++k) {
       if (!d.held[k]) continue;
@@ -471,6 +487,43 @@ class Bubbles {
   }
 
  private:
+  /// On a roller along a curve both components are fitted to the part of what is there along the curve.
+  void add_bent(const EdgeData& d, const Points& here, Conforming& result) const {
+    const Skeleton& s = m_.inner->skeleton;
+    const Mat2& frame = s.frame[d.edge];
+    const auto across = [&](double at) -> Vec2 {
+      return frame.transpose() * frame_between(m_.mesh, s, d.edge, at).col(0);
+    };
+    Points wanted = here * traces(even(degree_), fit_.sample.s);
+    for (Eigen::Index q = 0; q < wanted.cols(); ++q) {
+      const Vec2 n = across(fit_.sample.s[q]);
+      wanted.col(q) -= n.dot(wanted.col(q)) * n;
+    }
+    const Points value = here * at_carrier_;
+    EdgePolynomial bubble, moved;
+    Points found(2, wanted.cols());
+    for (int k = 0; k < 2; ++k) {
+      const double first = here(k, 0), last = here(k, degree_);
+      const Fit::Result f = fit_.fit(wanted.row(k), first, last);
+      for (Eigen::Index q = 0; q < found.cols(); ++q)
+        found(k, q) =
+            first * (1 - fit_.sample.s[q]) + last * fit_.sample.s[q] + fit_.bump[q] * f.p.dot(fit_.basis.col(q));
+      for (int g = 0; g < data_carriers; ++g) {
+        const double at = fit_.carrier.s[g], linear = first * (1 - at) + last * at, bump = at * (1 - at);
+        bubble(k, g) = f.p[g] - (value(k, g) - linear) / bump;
+        moved(k, g) = linear + bump * f.p[g];
+      }
+    }
+    double missed = std::pow(across(0).dot(here.col(0)), 2) + std::pow(across(1).dot(here.col(degree_)), 2);
+    for (Eigen::Index q = 0; q < found.cols(); ++q)
+      missed += fit_.sample.w[q] * std::pow(across(fit_.sample.s[q]).dot(found.col(q)), 2);
+    constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+    if (d.triangle < own_triangles(m_) && missed > rounding * rounding * here.squaredNorm())
+      result.mismatch += 2 * shear_moduli(material_of(m_.mesh, m_.scene, d.triangle)).largest * missed;
+    result.bubble.emplace_back(frame * bubble);
+    result.value.push_back(moved);
+  }
+
   const Model& m_;
   int degree_;
   Fit fit_;

@@ -130,6 +130,11 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
 
 }  // namespace
 
+bool rolls_along_curve(const Model& m, Index edge) {
+  const Skeleton& s = m.inner->skeleton;
+  return m.mesh.label[edge] != none && s.bent_at[edge] != none && bow_at(s.bows, edge);
+}
+
 std::vector<EdgeData> edge_data(const Model& m) {
   const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
   const Eigen::MatrixXd basis = traces(carrier, sample.s), trace = traces(m.inner->kernel.trace, sample.s),
@@ -161,6 +166,7 @@ std::vector<EdgeData> edge_data(const Model& m) {
       for (int k = 0; k < 2; ++k) {
         if (!(k == 0 ? support.first : support.second)) continue;
         d.held[k] = true;
+        d.bent = d.bent || rolls_along_curve(m, e);
         d.displacement.row(k) = given.at.row(k);
         d.ends.row(k) << support.value(line.a, line.n)[k], support.value(line.b, line.n)[k];
         d.rest[k] = given.rest[k];
@@ -197,10 +203,8 @@ std::vector<EdgeData> edge_data(const Model& m) {
         d.load - weighted * trace.transpose() * m.inner->kernel.trace.w.cwiseInverse().asDiagonal() * trace_at_carrier;
     const Eigen::Matrix<double, 2, data_points> rest = load[i] - d.load * basis;
     for (int k = 0; k < 2; ++k) {
-      if (d.held[k])
-        d.unbalanced.row(k).setZero();
-      else
-        d.left_out += length(m.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
+      if (d.held[k] || d.bent) d.unbalanced.row(k).setZero();
+      if (!d.held[k]) d.left_out += length(m.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
     }
   }
   return data;

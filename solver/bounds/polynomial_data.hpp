@@ -35,8 +35,9 @@ using EdgePolynomial = Eigen::Matrix<double, 2, data_carriers>;  // values at ga
 struct EdgeData {
   Index edge = none;
   Index triangle = none;
-  int side = 0;                                        // number of the edge in the triangle
-  std::array<bool, 2> held{false, false};              // prescribed components
+  int side = 0;                            // number of the edge in the triangle
+  std::array<bool, 2> held{false, false};  // prescribed components
+  bool bent = false;  // a roller along a curve: the first component is along the normal there, and 0
   Eigen::Matrix<double, 2, data_points> displacement;  // prescribed values at gauss(data_points), else 0
   Mat2 ends = Mat2::Zero();                            // and at the two ends (columns)
   Vec2 rest = Vec2::Zero(), rough = Vec2::Zero();      // of them, as EdgeValues
@@ -50,5 +51,7 @@ struct EdgeData {
   Resolution how = Resolution::Proved;
 };
 std::vector<EdgeData> edge_data(const Model& model);
+/// Whether the edge is held along the normal of its curve, which turns.
+bool rolls_along_curve(const Model& model, Index edge);
 
 }  // namespace kerf

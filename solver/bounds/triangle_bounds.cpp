@@ -199,6 +199,7 @@ void Bounding::work_of_supports(const Tractions& tractions, const std::vector<In
   const Eigen::Index points = m.inner->kernel.trace.w.size();
   for (const Index i : edges) {
     const EdgeData& d = data[i];
+    if (d.bent) continue;  // nothing moves along the normal
     const double l = length(m.mesh, d.edge);
     for (int k = 0; k < 2; ++k) {
       if (!d.held[k]) continue;

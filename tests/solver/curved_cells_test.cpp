@@ -257,6 +257,58 @@ TEST_P(CurvedCells, BoundsOfTheEnergyHoldThatOfTheCurvedBody) {
   EXPECT_TRUE(found > 2 * GetParam().order - 0.7 || gap[1] < 2e-10) << found << " " << gap[1];  // then it is rounding
 }
 
+// On rollers along the hole, with a pull on the rim: u_r = b (r - a^2/r), E = -pi u_r(1). Displacements follow the
+// curve of the rollers, stresses have next to nothing along it.
+TEST_P(CurvedCells, BoundsHoldOnRollersAlongCurves) {
+  Scene scene;
+  scene.material = steel;
+  scene.supports.push_back({1, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return {0, 0}; }});
+  scene.tractions.push_back({0, [](const Vec2&, const Vec2& n) -> Vec2 { return n; }});
+  constexpr double a = 0.5, nu = 0.3, lambda = 2 * nu / (1 - 2 * nu), b = 0.5 / (lambda + 1 + a * a),
+                   exact = -pi * b * (1 - a * a);
+  std::array<double, 2> gap{}, triangles{};
+  for (const std::size_t i : {0u, 1u}) {
+    const EnergyBounds found = bounds_of(ring(a, 1), i == 0 ? 0.1 : 0.05, GetParam(), scene, &triangles[i]);
+    EXPECT_LE(found.lower, exact) << found.note;
+    EXPECT_GE(found.upper, exact) << found.note;
+    EXPECT_FALSE(found.guaranteed);
+    gap[i] = found.upper - found.lower;
+  }
+  const double rate = 2 * std::log(gap[0] / gap[1]) / std::log(triangles[1] / triangles[0]);
+  EXPECT_TRUE(rate > 2 * GetParam().order - 0.7 || gap[1] < 2e-10) << rate << " " << gap[0] << " " << gap[1];
+}
+
+// A pull that is not the same in all directions slides along the hole; the truth is that of degree 4.
+TEST(CurvedRollers, BoundsHoldWhereTheBodySlides) {
+  for (const Material& material : {steel, rubber}) {
+    Scene scene;
+    scene.material = material;
+    scene.supports.push_back({1, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return {0, 0}; }});
+    scene.tractions.push_back(
+        {0, [](const Vec2& x, const Vec2& n) -> Vec2 { return tension * n + Vec2(0.3 * x.x() * x.y() * x.y(), 0); }});
+    double triangles = 0;
+    const Shape shape{
+        circle("outline", {0, 0}, 1, 0), {ellipse("hole", {0.1, 0}, {0.45, 0.3}, 0.4, 1)}, {}, {"rim", "hole"}, {}};
+    const EnergyBounds truth = bounds_of(shape, 0.06, bdms(4), scene, &triangles);
+    const double exact = 0.5 * (truth.lower + truth.upper);
+    ASSERT_LT(truth.upper - truth.lower, 1e-6 * std::abs(exact)) << truth.note;
+    for (const Element& e : {bdms(1), bdms(2), bdms(3), afw(1), afw(2)}) {
+      double width = infinity;
+      Mesh mesh = triangulate(shape, {.size = 0.2, .curved = true});
+      for (int level = 0; level < 2; ++level, mesh = refine(mesh)) {
+        const Model m = prepare(mesh, e, scene, 1);
+        const EnergyBounds found = energy_bounds(m, solve(m));
+        EXPECT_LE(found.lower, truth.upper) << title(e) << found.note;
+        EXPECT_GE(found.upper, truth.lower) << title(e) << found.note;
+        if (e.degree < 3)  // 1e-9 of the energy is no place for rates
+          EXPECT_LT(found.upper - found.lower, width * std::exp2(0.7 - 2 * e.order)) << title(e);
+        width = found.upper - found.lower;
+      }
+      EXPECT_LT(width, 0.03 * std::abs(exact)) << title(e);
+    }
+  }
+}
+
 // With a core of another material, held on the rim, in an incompressible matrix as well.
 TEST_P(CurvedCells, BoundsHoldAcrossCurvedInterfaces) {
   const Material hard{10, 0.01};
