@@ -300,8 +300,9 @@ TEST(CurvedRollers, BoundsHoldWhereTheBodySlides) {
         const EnergyBounds found = energy_bounds(m, solve(m));
         EXPECT_LE(found.lower, truth.upper) << title(e) << found.note;
         EXPECT_GE(found.upper, truth.lower) << title(e) << found.note;
-        if (e.degree < 3)  // 1e-9 of the energy is no place for rates
+        if (e.degree < 3) {  // 1e-9 of the energy is no place for rates
           EXPECT_LT(found.upper - found.lower, width * std::exp2(0.7 - 2 * e.order)) << title(e);
+        }
         width = found.upper - found.lower;
       }
       EXPECT_LT(width, 0.03 * std::abs(exact)) << title(e);
