@@ -15,7 +15,8 @@ from all, beside a jump, beside a crack) that a seed draws, in {functionals} fun
 bodies that are drawn with the tables a person would write for the change, at three radii, on the mesh of the unchanged body,
 extrapolated to radius 0. A cell is *drawn* where that is known to a tenth, else *open*, or *refused* by the program with a
 sentence. *Worst* is the largest relative error of a drawn cell beyond what the radii leave open; up to 1 % is right. *Noted*
-cells are off by up to 5 % where the program says so: clamped holes that move the contact of a crack. Written by
+cells are off by up to 5 % where the program says so: clamped holes that move the contact of a crack. These are {scenes}
+scenes. Written by
 
     build/test_truth --gtest_filter='Drawn/ProductScene.*' | python3 tests/products.py > docs/validation/products.md
 
@@ -38,7 +39,7 @@ def main() -> None:
             refusals[found[2]] += int(found[1])
     if not rows:
         sys.exit("products.py: no scene in what was read")
-    print(HEAD.format(functionals=max(r[0] for r in rows)), end="")
+    print(HEAD.format(functionals=max(r[0] for r in rows), scenes=len(rows)), end="")
     for what in ("perturbation", "load"):
         print(f"## By {what}\n\n| {what} | scenes | cells | drawn | refused | open | noted | off | worst | where |\n"
               "|---|---|---|---|---|---|---|---|---|---|")
