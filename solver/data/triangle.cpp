@@ -1,30 +1,22 @@
 #include "solver/data.hpp"
-#include "solver/data/all_triangles.hpp"
 #include "solver/data/left_out.hpp"
 
 #include "base/dense.hpp"
 #include "solver/element/local.hpp"
-#include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace kerf {
 
 namespace {
 
 constexpr int kept_degree = 4;
-// Shares of the largest value: ranges that count as one number, what is looked for on a triangle, what is put up with
-// there, in cells, and at the last for the sake of a proof, and what two rules of a cell that is not proved may differ
-// by.
-constexpr double narrow = 1e-9, wanted = 1e-8, agreed = 5e-6, of_cells = 1e-6, proved = 1e-3, rules_agree = 1e-6;
-constexpr int left_degree = 7;  // of the polynomials of left_by_polynomial
-
-constexpr int most_looks = 400;  // at one triangle
+constexpr double narrow = 1e-9, agreed = 1e-8, rules_agree = 1e-6;  // of the largest value
+constexpr int left_degree = 7;                                      // of the polynomials of left_by_polynomial
 
 using Vertices = std::array<Vec2, 3>;
 
@@ -84,23 +76,17 @@ struct Cell {
 class TriangleIntegration {
  public:
   TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, double size,
-                      const char* what, int looks)
-      : f_(f), corners_(corners), rule_(rule), size_(size), what_(what), looks_(looks) {}
+                      const char* what)
+      : f_(f), corners_(corners), rule_(rule), size_(size), what_(what) {}
 
-  /// Whether more looks would add nothing.
-  bool is_settled() const {
-    return is_settled_;
-  }
   TriangleValues run() {
     static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
     TriangleValues result;
     cells_.push_back(cell(unit));
     result.at = cells_[0].value;
-    is_settled_ = cells_[0].settled;
-    if (is_settled_ || looks_ == 1) {
+    if (cells_[0].settled) {
       result.error = cells_[0].error;
-      result.rest = cells_[0].left.squaredNorm();
-      if (cells_[0].rim > 0) result.rest += cells_[0].rim * std::pow(width_of(cells_[0].rim_range), 2);
+      if (cells_[0].rim > 0) result.rest = cells_[0].rim * std::pow(width_of(cells_[0].rim_range), 2);
       result.how = f_.known() && !cells_[0].sampled ? Resolution::Proved : Resolution::Sampled;
       return result;
     }
@@ -164,16 +150,12 @@ class TriangleIntegration {
     auto [x, y] = box_of(c);
     c.range = f_.known()->over(x, y);
     double width = width_of(c.range), rim_error = 0;
-    // What the whole triangle keeps as it is need not be as exact as what is projected piece by piece.
-    const double size = largest_of(c.range, size_), enough = (cells_.empty() ? agreed : of_cells) * size;
-    const auto leave = [&] { return left_by_polynomial(*f_.known(), x, y, c.range, wanted * size, enough); };
-    LeftOut leaves = leave();
-    if (leaves.of.maxCoeff() > enough) {
+    if (std::isfinite(width) && width > narrow * size_) {
       // A field that jumps along the edge of a cell (beside a crack) does not jump in it.
       const Interval x_in = inner(x), y_in = inner(y);
       const std::array<Interval, 2> inside = f_.known()->over(x_in, y_in);
-      constexpr double narrower = 0.999;
-      if (width_of(inside) < narrower * width) {
+      constexpr double gain = 0.5;
+      if (width_of(inside) < gain * width) {
         const double dx = x.high - x.low, dy = y.high - y.low;
         c.rim = 1.01 * ((x_in.low - x.low + x.high - x_in.high) * dy + (y_in.low - y.low + y.high - y_in.high) * dx) /
                 area_of(corners_);
@@ -183,7 +165,6 @@ class TriangleIntegration {
         width = width_of(inside);
         x = x_in;
         y = y_in;
-        leaves = leave();
       }
     }
     if (!std::isfinite(width)) {
@@ -194,7 +175,9 @@ class TriangleIntegration {
       c.error = infinity;
       return;
     }
-    const auto& [left, rough] = leaves;
+    // What the whole triangle keeps as it is need not be as exact as what is projected piece by piece.
+    const double size = largest_of(c.range, size_), enough = (cells_.empty() ? agreed : narrow) * size;
+    const auto [left, rough] = left_by_polynomial(*f_.known(), x, y, c.range, narrow * size);
     c.settled = left.maxCoeff() <= enough;
     c.error = c.area * left.sum() + rim_error;
     // The first cell's values are wanted at the points of the rule in any case.
@@ -249,28 +232,15 @@ class TriangleIntegration {
     c.error = c.area * (c.settled ? better(look.difference, look.size) : look.difference);
   }
 
-  /// Of a black box next to nothing: it is not asked again what the difference of two rules may hide.
-  double left_open() const {
-    constexpr double of_samples = 1e-7;
-    return f_.known() ? of_cells * std::max(scale_, size_) : std::max(of_samples * scale_, narrow * size_);
-  }
-  /// Where more looks would not prove much.
-  void take_samples() {
-    double open = 0;
-    for (const Cell& c : cells_)
-      if (!c.settled) open += c.error;
-    if (f_.known() && open > proved * std::max(scale_, size_))
-      for (Cell& c : cells_) settle_by_samples(c);
-  }
-
   void refine() {
-    constexpr int proofs = 120;  // looks that wait for a proof
+    constexpr int most = 400, proofs = 120;  // looks at a cell, and those that wait for a proof
     bool waits = true;
-    constexpr double finest = 1e-12;  // share of the area
-    for (;;) {
+    constexpr double small = 1e-7, finest = 1e-12;  // the latter a share of the area
+    while (evaluations_ < most) {
       if (waits && evaluations_ > proofs) {
         waits = false;
-        take_samples();
+        if (f_.known())
+          for (Cell& c : cells_) settle_by_samples(c);
       }
       std::size_t worst = cells_.size();
       double open = 0;
@@ -279,9 +249,7 @@ class TriangleIntegration {
         open += cells_[i].error;
         if (worst == cells_.size() || cells_[i].error > cells_[worst].error) worst = i;
       }
-      is_settled_ = worst == cells_.size() || open <= left_open();
-      if (is_settled_) return;
-      if (evaluations_ >= looks_) break;
+      if (worst == cells_.size() || open <= std::max(small * scale_, narrow * size_)) return;
       const Vertices c = cells_[worst].corners;
       const auto four = quarters(c);
       cells_[worst] = cell(four[0]);
@@ -291,7 +259,6 @@ class TriangleIntegration {
         for (std::size_t k = 1; k < 4; ++k) settle_by_samples(cells_[cells_.size() - k]);
       }
     }
-    if (waits) take_samples();
   }
 
   void collect(TriangleValues& result) const {
@@ -341,11 +308,9 @@ class TriangleIntegration {
   const TriangleRule& rule_;
   double size_;
   const char* what_;
-  int looks_;
   std::vector<Cell> cells_;
   int evaluations_ = 0;
   double scale_ = 0;
-  bool is_settled_ = false;
 };
 
 /// The values of a curved triangle are proved where a polynomial leaves little of f over its box: what two rules of the
@@ -436,52 +401,7 @@ TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const
 
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
                                double size, const char* what) {
-  return TriangleIntegration(f, corners, rule, size, what, most_looks).run();
-}
-
-std::vector<TriangleValues> triangle_values(const VectorField& f, const std::vector<Index>& which,
-                                            const std::function<Triangle(Index)>& cell, const TriangleRule& rule,
-                                            double size, const char* what, int threads) {
-  std::vector<TriangleValues> all(which.size());
-  double whole = 0;
-  for (const Index t : which) whole += area(cell(t));
-  const auto size_in = [&](const Triangle& t) {
-    constexpr double most = 10;
-    return size * std::clamp(std::sqrt(whole / static_cast<double>(which.size()) / area(t)), 1.0, most);
-  };
-  // Of those on the list that many looks settle each; the others are left on it.
-  std::vector<std::size_t> open(which.size());
-  std::iota(open.begin(), open.end(), std::size_t{0});
-  const auto look = [&](int looks) {
-    std::vector<char> settled(open.size(), 1);
-    parallel_for(static_cast<Index>(open.size()), threads, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) {
-        const std::size_t k = open[static_cast<std::size_t>(i)];
-        const Triangle t = cell(which[k]);
-        if (!f.known() || is_curved(t)) {
-          all[k] = triangle_values(f, t, rule, size, what);
-          continue;
-        }
-        TriangleIntegration of(f, t.x, rule, size_in(t), what, looks);
-        all[k] = of.run();
-        settled[static_cast<std::size_t>(i)] = of.is_settled();
-      }
-    });
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < open.size(); ++i)
-      if (!settled[i]) open[left++] = open[i];
-    open.resize(left);
-  };
-  constexpr int once = 1, quarters_too = 5;
-  look(once);
-  double budget = 3 * static_cast<double>(which.size()) + 16 * most_looks;
-  const auto each = [&] { return budget / static_cast<double>(std::max<std::size_t>(open.size(), 1)); };
-  if (each() > quarters_too) {
-    budget -= quarters_too * static_cast<double>(open.size());
-    look(quarters_too);
-  }
-  look(static_cast<int>(std::clamp(each(), double(quarters_too), double(most_looks))));
-  return all;
+  return TriangleIntegration(f, corners, rule, size, what).run();
 }
 
 }  // namespace kerf
