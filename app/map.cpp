@@ -160,10 +160,6 @@ std::vector<std::string> bound_map(const MapTask& task, const Analysis& analysis
     notes.emplace_back("there are no bounds for maps of clamped holes");
     return notes;
   }
-  if (analysis.adjoint)
-    notes.emplace_back(
-        "lower and upper of this map are as estimated, not covered: where J is no energy they held 35 to 79 % of the "
-        "values in rough places (near poisson = 0.5, beside soft regions and jumps of weights) where they mean 95 %");
   add_bars(analysis, task.functional, task.request, {body.shape, body.sizing}, {map.full, map.result.points});
   return notes;
 }

@@ -525,7 +525,7 @@ constexpr Key rows[] = {
      Boolean,
      {},
      "A lower and an upper value for every value of the map: error bars from a better solution (2 to 6 times the "
-     "work), no guarantee; where J is no energy as estimated, not covered. Not for bdms of degree 4.",
+     "work), no guarantee. Not for bdms of degree 4.",
      "true",
      "false"},
     {"map.second",
