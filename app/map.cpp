@@ -5,7 +5,6 @@
 #include "app/peaks.hpp"
 #include "kerf/second_order.hpp"
 #include "topo/analysis.hpp"
-#include "topo/functional/places.hpp"
 #include "topo/near.hpp"
 
 #include <fmt/core.h>
@@ -51,12 +50,12 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
   for (std::size_t i = 0; i < j.terms.size(); ++i) {
     const Term& term = j.terms[i];
     constexpr double much = 0.01;
-    if (const Unseen missed = unseen(term, *analysis.model); missed.share > much)
+    if (const auto [share, at] = missed(term, *analysis.model); share > much)
       notes.push_back(fmt::format(
           "what {} takes from the case (weight, target, direction) varies too quickly for the mesh: up to {:.0f} % of "
           "its integral may be missed, most of it near ({:.6g}, {:.6g}); let the mesh follow it there (the edge of a "
           "region), or make mesh.size smaller",
-          term.kind, 100 * missed.share, missed.at.x(), missed.at.y()));
+          term.kind, 100 * share, at.x(), at.y()));
     constexpr double integrable = 4;
     if (term.stress_power >= integrable && !shape.cracks.empty())
       notes.push_back(

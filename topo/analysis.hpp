@@ -43,6 +43,14 @@ void require_finite(const Functional& j, const Model& model);
 /// Throws Error(Usage) for a functional that does not know what an eigenstrain, or a pressure in its crack, does to it.
 void require_known_loads(const Functional& j, const Model& model);
 
+/// The largest share of the integral of a weight, a target or a direction that the points of the integrals may miss, as
+/// far as enclosures are known, and where most of it is.
+struct Missed {
+  double share = 0;
+  Vec2 at = Vec2::Zero();
+};
+Missed missed(const Term& term, const Model& model);
+
 /// Whether the map takes the fields of a point of its own, so that it is made at listed points only: a clamped hole in
 /// a J that is neither an energy nor linear in the state, or that sees contact.
 bool needs_points(const Model& model, const Functional& j, const Perturbation& p);

@@ -56,7 +56,7 @@ struct Term {
   std::function<Density(const FieldPoint&)> density = {};
   double stress_power = 0;  // of stress_power and stress_pnorm: not integrable at crack tips from 4 on
   bool uses_stress = false, uses_displacement = false, uses_rotation = false;
-  bool uses_place = true;                                                 // depends on x by itself
+  bool uses_place = true;  // depends on x by itself
   /// Weights and targets of the density, and of what is integrated over boundary or crack: where what is known of them
   /// says so, the integrals look at more points.
   std::vector<VectorField> varies = {};

@@ -1,6 +1,6 @@
 #include "solver/bounds/work_of_data.hpp"
 
-#include "solver/data/left_out.hpp"
+#include "solver/left_out.hpp"
 #include "solver/data/near_tip.hpp"
 #include "solver/data/refined.hpp"
 #include "solver/quadrature.hpp"

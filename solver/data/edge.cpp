@@ -1,6 +1,6 @@
 #include "solver/data.hpp"
 #include "solver/data/jacobi.hpp"
-#include "solver/data/left_out.hpp"
+#include "solver/left_out.hpp"
 
 #include "solver/element/local.hpp"
 

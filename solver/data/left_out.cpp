@@ -1,4 +1,4 @@
-#include "solver/data/left_out.hpp"
+#include "solver/left_out.hpp"
 
 #include <algorithm>
 #include <cmath>

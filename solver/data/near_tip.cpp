@@ -1,7 +1,7 @@
 #include "solver/data/near_tip.hpp"
 
 #include "solver/data/jacobi.hpp"
-#include "solver/data/left_out.hpp"
+#include "solver/left_out.hpp"
 #include "solver/data/refined.hpp"
 #include "solver/quadrature.hpp"
 

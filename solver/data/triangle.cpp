@@ -1,5 +1,5 @@
 #include "solver/data.hpp"
-#include "solver/data/left_out.hpp"
+#include "solver/left_out.hpp"
 
 #include "base/dense.hpp"
 #include "solver/element/local.hpp"

@@ -104,7 +104,9 @@ std::vector<Named> functionals(const Scenario& s) {
       {"opening", {crack_opening(0, weight)}},
       {"pressure",
        {crack_pressure(
-           0, [](const Vec2& x) { return 0.1 * x.x(); }, weight)}},
+           0, [](const Vec2& x) { return 0.1 * x.x(); },
+           // The square of the pressure has no integral at a tip where the faces overlap before loading.
+           [gap = s.gap, weight](const Vec2& x) { return weight(x) * (gap ? (x - Vec2(-0.2, -0.4)).norm() : 1); })}},
       {"turning", {turning()}},
       {"sum", {compliance(), volume(), stress_pnorm(4, weight, true), energy()}},
   };

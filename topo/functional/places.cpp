@@ -1,8 +1,7 @@
 #include "topo/functional/places.hpp"
 
 #include "solver/data.hpp"
-#include "solver/data/left_out.hpp"
-#include "solver/element/local.hpp"
+#include "solver/left_out.hpp"
 #include "solver/system.hpp"
 
 #include <algorithm>
@@ -248,7 +247,7 @@ Vec2 middle(const Mesh& mesh, Index edge) {
 }
 
 /// Sums of what pieces know, over triangles or edges.
-class UnseenShare {
+class MissedShare {
  public:
   template <typename Piece>
   void add(const std::vector<Piece>& pieces, double measure, const Vec2& at) {
@@ -265,8 +264,8 @@ class UnseenShare {
       if (here[i] > worst_[i].first) worst_[i] = {here[i], at};
     }
   }
-  Unseen largest() const {
-    Unseen found;
+  Missed largest() const {
+    Missed found;
     for (std::size_t i = 0; i < size_.size(); ++i)
       if (error_[i] > found.share * size_[i])
         found = {size_[i] > 0 ? std::min(1.0, error_[i] / size_[i]) : 1.0, worst_[i].second};
@@ -342,10 +341,10 @@ EdgeRule RulesOfTerm::along(Index edge, int pieces) const {
   return all;
 }
 
-Unseen unseen(const Term& term, const Model& m) {
+Missed missed(const Term& term, const Model& m) {
   const RulesOfTerm rules(term, m);
   const auto& [model, usual, in_body, along] = *rules.data_;
-  UnseenShare body, edges;
+  MissedShare body, edges;
   if (term.density && !in_body.empty())
     for (Index t = 0; t < own_triangles(m); ++t) {
       const Triangle shape = triangle(m, t);
@@ -357,7 +356,7 @@ Unseen unseen(const Term& term, const Model& m) {
   if (term.on_crack && !along.empty())
     for (const CrackEdge& c : m.mesh.cracks[static_cast<std::size_t>(term.crack)])
       edges.add(Spans(along, m, c.edge).against(m.inner->kernel.trace), length(m.mesh, c.edge), middle(m.mesh, c.edge));
-  const Unseen a = body.largest(), b = edges.largest();
+  const Missed a = body.largest(), b = edges.largest();
   return a.share > b.share ? a : b;
 }
 

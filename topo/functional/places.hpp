@@ -5,6 +5,7 @@
 #include "kerf/functional.hpp"
 #include "kerf/model.hpp"
 #include "solver/quadrature.hpp"
+#include "topo/analysis.hpp"
 
 #include <memory>
 #include <optional>
@@ -17,13 +18,6 @@ struct Triangle;
 TriangleRule domain_rule(const Model& model);
 /// Whether the density may be anything but 0 on a triangle.
 bool wanted(const Term& term, const Triangle& t);
-
-/// The largest share of the integral of a datum that these rules may not see, as far as enclosures are known, and where
-/// most of it is.
-struct Unseen {
-  double share = 0;
-  Vec2 at = Vec2::Zero();
-};
 
 /// Rules in the coordinates of triangles and edges, cut where the enclosures of the data leave more than 1e-4 of their
 /// integrals there, in some hundred pieces at most.
@@ -40,10 +34,9 @@ class RulesOfTerm {
   EdgeRule along(Index edge, int pieces = 1) const;
 
  private:
-  friend Unseen unseen(const Term&, const Model&);
+  friend Missed missed(const Term&, const Model&);
   struct Data;
   const std::unique_ptr<const Data> data_;
 };
-Unseen unseen(const Term& term, const Model& model);
 
 }  // namespace kerf
