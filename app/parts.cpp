@@ -308,6 +308,7 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   for (const std::string& note : notes_on_contact(r.cracks, contact)) s.notes.push_back(note);
   if (may_touch(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
   r.functional = functional_result(c.functional, found.functional);
+  found.functional.model = &coarse;  // no process has that of the whole
   for (const std::string& note : notes_on(c.functional, found.functional, c.shape, r.cracks)) s.notes.push_back(note);
   if (!certified(found.state)) {
     r.status = "not converged";
