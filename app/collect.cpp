@@ -1,3 +1,5 @@
+// What results and pictures take from a state: profiles, tips, resultants, peaks and maps at corners.
+
 #include "app/collect.hpp"
 
 #include "io/validation.hpp"

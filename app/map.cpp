@@ -1,3 +1,5 @@
+// J with its notes, and the map of its topological derivative with masks, bars and second terms.
+
 #include "app/map.hpp"
 
 #include "app/draw.hpp"

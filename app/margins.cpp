@@ -1,3 +1,5 @@
+// The largest stress between corners, and margins of stresses, displacements, K, G and T.
+
 #include "app/margins.hpp"
 
 #include "kerf/fracture.hpp"

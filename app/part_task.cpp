@@ -1,3 +1,5 @@
+// What the first process tells the others, as bytes and back.
+
 #include "app/part_task.hpp"
 
 #include "solver/packer.hpp"

@@ -1,3 +1,5 @@
+// What processes do together on a divided body, each on its part, and what the first one gathers.
+
 #include "app/part_work.hpp"
 
 #include "app/collect.hpp"

@@ -1,3 +1,5 @@
+// A body solved in parts: what is refused, the mesh and the tasks, and the result of all.
+
 #include "app/parts.hpp"
 
 #include "app/coarse_copy.hpp"

@@ -1,3 +1,5 @@
+// Rules of triangles and edges, cut where the enclosures of data leave too much of their integrals.
+
 #include "topo/functional/places.hpp"
 
 #include "solver/data.hpp"
