@@ -1,3 +1,4 @@
+#include "solver/cut_triangle.hpp"
 #include "solver/data.hpp"
 #include "solver/left_out.hpp"
 
@@ -12,18 +13,6 @@
 
 namespace kerf {
 
-namespace {
-
-constexpr int kept_degree = 4;
-constexpr double narrow = 1e-9, agreed = 1e-8, rules_agree = 1e-6;  // of the largest value
-constexpr int left_degree = 7;                                      // of the polynomials of left_by_polynomial
-
-using Vertices = std::array<Vec2, 3>;
-
-double area_of(const Vertices& c) {
-  return 0.5 * cross(c[1] - c[0], c[2] - c[0]);
-}
-
 Points places(const TriangleRule& rule, const Vertices& c) {
   Points x(2, rule.w.size());
   for (Eigen::Index q = 0; q < x.cols(); ++q)
@@ -34,6 +23,16 @@ Points places(const TriangleRule& rule, const Vertices& c) {
 std::array<Vertices, 4> quarters(const Vertices& c) {
   const Vec2 a = 0.5 * (c[1] + c[2]), b = 0.5 * (c[2] + c[0]), d = 0.5 * (c[0] + c[1]);
   return {Vertices{c[0], d, b}, {d, c[1], a}, {b, a, c[2]}, {a, b, d}};
+}
+
+namespace {
+
+constexpr int kept_degree = 4;
+constexpr double narrow = 1e-9, agreed = 1e-8, rules_agree = 1e-6;  // of the largest value
+constexpr int left_degree = 7;                                      // of the polynomials of left_by_polynomial
+
+double area_of(const Vertices& c) {
+  return 0.5 * cross(c[1] - c[0], c[2] - c[0]);
 }
 
 // The means of two looks at a black box.

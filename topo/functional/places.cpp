@@ -2,6 +2,7 @@
 
 #include "topo/functional/places.hpp"
 
+#include "solver/cut_triangle.hpp"
 #include "solver/data.hpp"
 #include "solver/left_out.hpp"
 #include "solver/system.hpp"
@@ -84,19 +85,11 @@ void cut_until_seen(std::vector<Piece>& pieces, int most, const Cut& cut) {
 // ---- triangles
 
 struct CellOfData : PieceOfData {
-  std::array<Vec2, 3> corners = {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};  // (l1, l2)
-  double share() const {                                               // of the triangle
+  Vertices corners = {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};  // (l1, l2)
+  double share() const {                                    // of the triangle
     return cross(corners[1] - corners[0], corners[2] - corners[0]);
   }
 };
-
-Points in_cell(const TriangleRule& rule, const CellOfData& c) {
-  Points l(2, rule.w.size());
-  for (Eigen::Index q = 0; q < l.cols(); ++q)
-    l.col(q) =
-        (1 - rule.x(0, q) - rule.x(1, q)) * c.corners[0] + rule.x(0, q) * c.corners[1] + rule.x(1, q) * c.corners[2];
-  return l;
-}
 
 class Cells {
  public:
@@ -111,19 +104,16 @@ class Cells {
     if (data_.empty()) return cells;
     look(cells[0]);
     constexpr int most = 120;
-    cut_until_seen(cells, most, [this](const CellOfData& c) { return quarters(c); });
+    cut_until_seen(cells, most, [this](const CellOfData& c) { return parts(c); });
     return cells;
   }
 
  private:
-  std::vector<CellOfData> quarters(const CellOfData& c) const {
+  std::vector<CellOfData> parts(const CellOfData& c) const {
     constexpr double finest = 1e-12;
     std::vector<CellOfData> four;
     if (c.share() < finest) return four;
-    const auto& [a, b, d] = c.corners;
-    const Vec2 ab = 0.5 * (a + b), bd = 0.5 * (b + d), da = 0.5 * (d + a);
-    for (const std::array<Vec2, 3>& corners :
-         {std::array{a, ab, da}, std::array{ab, b, bd}, std::array{da, bd, d}, std::array{bd, da, ab}}) {
+    for (const Vertices& corners : kerf::quarters(c.corners)) {
       four.emplace_back().corners = corners;
       look(four.back());
     }
@@ -132,9 +122,8 @@ class Cells {
 
   void look(CellOfData& c) const {
     static const TriangleRule rule = triangle_rule(5);
-    const Triangle chords = chords_of(shape_);
     const auto place = [&](const Vec2& l) -> Vec2 {
-      return (1 - l.x() - l.y()) * chords.x[0] + l.x() * chords.x[1] + l.y() * chords.x[2];
+      return (1 - l.x() - l.y()) * shape_.x[0] + l.x() * shape_.x[1] + l.y() * shape_.x[2];
     };
     Interval x{infinity, -infinity}, y = x;
     for (const Vec2& l : c.corners) {
@@ -143,7 +132,7 @@ class Cells {
       y = {std::min(y.low, p.y() - beyond_), std::max(y.high, p.y() + beyond_)};
     }
     const double share = c.share();
-    const Points l = in_cell(rule, c);
+    const Points l = places(rule, c.corners);
     for (const auto& [f, nothing] : data_) {
       Vec2 size = Vec2::Zero();
       for (Eigen::Index q = 0; q < l.cols(); ++q) size += share * rule.w[q] * (*f)(place(l.col(q))).cwiseAbs();
@@ -322,7 +311,7 @@ std::optional<TriangleRule> RulesOfTerm::cut(Index t) const {
   TriangleRule all{Points(2, count), Eigen::VectorXd(count)};
   for (const CellOfData& c : cells) {
     const TriangleRule& each = of(c);
-    all.x.middleCols(at, each.w.size()) = in_cell(each, c);
+    all.x.middleCols(at, each.w.size()) = places(each, c.corners);
     all.w.segment(at, each.w.size()) = c.share() * each.w;
     at += each.w.size();
   }
