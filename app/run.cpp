@@ -392,7 +392,9 @@ Case optimize_design(const Case& c, Journal& journal, Result& r) {
   write_design_files(journal, c, found.result);
   journal.writer->finish();  // gmsh gets a child of this process, which is made while no other thread is at work
   try {
-    if (has_gmsh()) write_step(journal.file("design.step"), found.result.shape);
+    if (has_gmsh())
+      journal.later(
+          [path = journal.file("design.step"), bytes = step_file(found.result.shape)] { write_file(path, bytes); });
   } catch (const Error& e) {  // the design is not lost with it
     found.result.notes.push_back(e.what());
   }

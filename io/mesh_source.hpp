@@ -22,8 +22,9 @@ MeshFile read_body(const BodySource& source, const MeshFileRequest& request);
 /// Whether the module with gmsh can be loaded; loads it.
 bool has_gmsh();
 
-/// The body as one plane face, its arcs exact, parts of ellipses as arcs within 1e-4 of its extent; cracks and regions
-/// are left out. Throws Error(Files) without gmsh, or with its words.
-void write_step(const std::filesystem::path& path, const Shape& shape);
+/// A STEP file of the body as one plane face, its arcs exact, parts of ellipses as arcs within 1e-4 of its extent;
+/// cracks and regions are left out. Throws Error(Geometry) with gmsh's words, Error(Files) without gmsh or a place for a
+/// temporary file.
+std::string step_file(const Shape& shape);
 
 }  // namespace kerf

@@ -79,12 +79,12 @@ void stop_removing() {
 }
 
 /// A file of its own in the folder for temporary files, gone with the object.
-class TemporaryMesh {
+class TemporaryFile {
  public:
-  TemporaryMesh() {
+  explicit TemporaryFile(const std::string& ending) {
     std::error_code code;  // a folder that is not there
-    name_ = (std::filesystem::temp_directory_path(code) / "kerf-XXXXXX.msh").string();
-    const int file = code ? -1 : mkstemps(name_.data(), 4);
+    name_ = (std::filesystem::temp_directory_path(code) / ("kerf-XXXXXX" + ending)).string();
+    const int file = code ? -1 : mkstemps(name_.data(), int(ending.size()));
     if (file < 0)
       throw Error(Fault::Files, fmt::format("cannot make a temporary file: {}; set TMPDIR to a folder that exists and "
                                             "may be written to",
@@ -97,9 +97,9 @@ class TemporaryMesh {
       if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) std::signal(signal, remove_and_end);
     }
   }
-  TemporaryMesh(const TemporaryMesh&) = delete;
-  TemporaryMesh& operator=(const TemporaryMesh&) = delete;
-  ~TemporaryMesh() {
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
     std::error_code ignored;
     std::filesystem::remove(name_, ignored);
     if (name_ == doomed) stop_removing();
@@ -261,7 +261,7 @@ RawMesh mesh_geometry(const BodySource& source) {
   const Module& module = needed(source.path);
   read_file(source.path);  // gmsh says nothing of a file that is not there
   const std::string path = source.path.string();
-  const TemporaryMesh file;
+  const TemporaryFile file(".msh");
   // Chords that are too long may cross.
   for (const int turn : {12, 48, 192}) {
     const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
@@ -297,8 +297,8 @@ std::vector<Side> short_arcs(const Loop& loop) {
 
 }  // namespace
 
-void write_step(const std::filesystem::path& path, const Shape& shape) {
-  const Module& module = needed(path);
+std::string step_file(const Shape& shape) {
+  const Module& module = needed("STEP");
   const Shape drawn = circular(shape, 1e-4 * extent(shape), true);
   std::vector<Side> sides;
   std::vector<std::int64_t> ends;
@@ -317,10 +317,15 @@ void write_step(const std::filesystem::path& path, const Shape& shape) {
     arc[k] = sides[k].arc.has_value();
   }
   const KerfGmshFace face{std::int64_t(ends.size()), ends.data(), start.data(), arc.get(), center.data()};
-  const Told told = in_child(coarse_minutes,
-                             [&](Teller& teller) { return module.step(path.c_str(), &face, Teller::error, &teller); });
-  if (!told.error.empty())
-    throw Error(Fault::Files, fmt::format("cannot write '{}': gmsh: {}", path.string(), told.error));
+  const TemporaryFile file(".step");
+  const Told told = in_child(
+      coarse_minutes, [&](Teller& teller) { return module.step(file.name().c_str(), &face, Teller::error, &teller); });
+  if (!told.error.empty()) throw Error(Fault::Geometry, fmt::format("no STEP file: gmsh: {}", told.error));
+  std::string bytes = read_file(file.name());
+  if (bytes.find("END-ISO-10303-21") == std::string::npos)  // gmsh does not look whether all was written
+    throw Error(Fault::Files, fmt::format("no STEP file: gmsh wrote {} bytes without an end to '{}'; is the disk full?",
+                                          bytes.size(), file.name()));
+  return bytes;
 }
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 // Geometries through gmsh: outlines that kerf meshes, meshes of gmsh that are kept, designs as STEP. Skipped where the
 // module was not built.
 
+#include "io/files.hpp"
 #include "io/mesh_source.hpp"
 #include "kerf/mesher.hpp"
 #include "tests/io/case/case_files.hpp"
@@ -171,7 +172,7 @@ TEST_F(Geometry, DesignsGoToStepAndComeBack) {
   shape.outline = polygon("outline", {{0, 0}, {3, 0}, {3, 2}, {0, 2}}, 0);
   shape.holes = {circle("a", {1, 1}, 0.3, 1), polygon("b", {{2, 0.5}, {2.5, 0.5}, {2.5, 1.5}}, 2)};
   shape.outline.sides[1].arc = Arc{{3, 1}, Mat2::Identity(), -pi / 2, pi / 2};  // a round end
-  write_step(folder.path / "d.step", shape);
+  write_file(folder.path / "d.step", step_file(shape));
   const MeshFile back = read_body({.path = folder.path / "d.step", .keep_mesh = false},
                                   {.sides = {{{0, 1}, "left", ""}, {{1.15, 1.26}, "a", ""}}});
   EXPECT_NEAR(area(back.shape), area(shape), 1e-11);
