@@ -23,8 +23,8 @@ MeshFile read_body(const BodySource& source, const MeshFileRequest& request);
 bool has_gmsh();
 
 /// A STEP file of the body as one plane face, its arcs exact, parts of ellipses as arcs within 1e-4 of its extent;
-/// cracks and regions are left out. Throws Error(Geometry) with gmsh's words, Error(Files) without gmsh or a place for a
-/// temporary file.
+/// cracks and regions are left out. Throws Error(Geometry) with gmsh's words, Error(Files) without gmsh or a place for
+/// a temporary file.
 std::string step_file(const Shape& shape);
 
 }  // namespace kerf

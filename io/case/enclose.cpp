@@ -1,3 +1,4 @@
+#include "io/case/decided.hpp"
 #include "io/case/functions.hpp"
 #include "io/case/syntax.hpp"
 
@@ -16,13 +17,10 @@ struct Variables {
   Taylor stretch = {};  // along a curved edge |dx/ds| over the length of the chord
 };
 
-/// What f(x + t h) has along all steps h from all places of a box; where a normal is asked for, the whole line.
-Variables about_box(const Interval& x, const Interval& y, const Interval& dx, const Interval& dy, int order) {
-  Variables v{.order = order};
-  const TaylorArithmetic with(order);
-  v.of = {with.constant(x), with.constant(y), with.range(whole_line), with.range(whole_line)};
-  if (order > 0) v.of[0].c[1] = dx, v.of[1].c[1] = dy;
-  return v;
+/// The ranges of a box; where a normal is asked for, the whole line.
+Variables on_box(const Interval& x, const Interval& y) {
+  const TaylorArithmetic with(0);
+  return {.of = {with.constant(x), with.constant(y), with.range(whole_line), with.range(whole_line)}, .order = 0};
 }
 
 /// The coefficients of x(s) - a, from s on.
@@ -90,13 +88,6 @@ Variables on_piece(const EdgeLine& edge, double from, double to, int order) {
     v.of[2 + d] = with.constant(exactly(edge.n[d]));
   }
   return v;
-}
-
-/// Whether a number is not 0.
-enum class Truth { No, Yes, Open };
-Truth truth(const Interval& a) {
-  if (is(a, 0)) return Truth::No;
-  return contains(a, 0) ? Truth::Open : Truth::Yes;
 }
 
 /// Why something is not smooth: a node that may be `level` there.
@@ -186,8 +177,7 @@ class Evaluation {
     const double p = exponent.c[0].low;
     if (!is(exponent.c[0], p) || !is_constant(exponent))
       return with_.exponential(with_.multiply(exponent, with_.logarithm(sharp(n.of[0]))));
-    constexpr double most = 64;
-    if (p == std::floor(p) && std::abs(p) <= most) {
+    if (is_product(p)) {
       const Taylor& base = p < 0 ? sharp(n.of[0]) : at(n.of[0]);
       return with_.power(base, static_cast<int>(p));
     }
@@ -210,37 +200,14 @@ class Evaluation {
   }
 
   Taylor comparison(const SyntaxNode& n) {
-    const Interval g = sharp(n.of[0]).c[0];
-    std::optional<bool> known;
-    switch (n.kind) {
-      case Kind::Less:
-        if (g.high < 0 || g.low >= 0) known = g.high < 0;
-        break;
-      case Kind::LessEqual:
-        if (g.high <= 0 || g.low > 0) known = g.high <= 0;
-        break;
-      case Kind::Greater:
-        if (g.low > 0 || g.high <= 0) known = g.low > 0;
-        break;
-      case Kind::GreaterEqual:
-        if (g.low >= 0 || g.high < 0) known = g.low >= 0;
-        break;
-      default:
-        if (is(g, 0) || !contains(g, 0)) known = is(g, 0) == (n.kind == Kind::Equal);
-    }
+    const std::optional<bool> known = decided(n.kind, sharp(n.of[0]).c[0]);
     if (known) return with_.constant(exactly(*known ? 1 : 0));
     return open(n.of[0], 0, {0, 1});
   }
 
   Taylor connective(const SyntaxNode& n) {
-    const Truth settles = n.kind == Kind::And ? Truth::No : Truth::Yes;
-    const Truth first = truth(at(n.of[0]).c[0]);
-    const Taylor settled = with_.constant(exactly(settles == Truth::Yes ? 1 : 0)),
-                 otherwise = with_.constant(exactly(settles == Truth::Yes ? 0 : 1));
-    if (first == settles) return settled;
-    const Truth second = truth(at(n.of[1]).c[0]);
-    if (second == settles) return settled;
-    return first == Truth::Open || second == Truth::Open ? with_.range({0, 1}) : otherwise;
+    const Truth both = connected(n.kind == Kind::And, truth(at(n.of[0]).c[0]), [&] { return truth(at(n.of[1]).c[0]); });
+    return both == Truth::Open ? with_.range({0, 1}) : with_.constant(exactly(both == Truth::Yes ? 1 : 0));
   }
 
   Taylor choice(const SyntaxNode& n) {
@@ -479,15 +446,8 @@ ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLin
 }
 
 Interval enclose(const Syntax& syntax, const Interval& x, const Interval& y) {
-  const Variables here = about_box(x, y, exactly(0), exactly(0), 0);
+  const Variables here = on_box(x, y);
   return Evaluation(syntax, here).root().c[0];
-}
-
-double remainder(const Syntax& syntax, const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
-                 int order) {
-  const Variables here = about_box(x, y, dx, dy, order);
-  const double bound = magnitude(Evaluation(syntax, here).root().c[static_cast<std::size_t>(order)]);
-  return std::isnan(bound) ? infinity : bound;
 }
 
 }  // namespace kerf

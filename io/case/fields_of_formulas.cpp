@@ -4,11 +4,15 @@ namespace kerf {
 
 namespace {
 
+bool are_same(const Syntax& first, const Syntax& second) {
+  return first.nodes == second.nodes;
+}
+
 /// Two formulas. Fields without a meaning on boundaries know no normal.
 class OfFormulas final : public Enclosure {
  public:
   OfFormulas(std::shared_ptr<const Syntax> first, std::shared_ptr<const Syntax> second)
-      : parts_{std::move(first), std::move(second)} {}
+      : parts_{std::move(first), std::move(second)}, same_(are_same(*parts_[0], *parts_[1])) {}
 
   OnPiece along(const EdgeLine& edge, double from, double to) const override {
     OnPiece piece;
@@ -25,11 +29,13 @@ class OfFormulas final : public Enclosure {
     return piece;
   }
   std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
-    return {enclose(*parts_[0], x, y), enclose(*parts_[1], x, y)};
+    const Interval first = enclose(*parts_[0], x, y);
+    return {first, same_ ? first : enclose(*parts_[1], x, y)};
   }
-  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
-                                  int order) const override {
-    return {kerf::remainder(*parts_[0], x, y, dx, dy, order), kerf::remainder(*parts_[1], x, y, dx, dy, order)};
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval&, const Interval&,
+                                  int degree) const override {
+    const double first = kerf::deviation(*parts_[0], x, y, degree);
+    return {first, same_ ? first : kerf::deviation(*parts_[1], x, y, degree)};
   }
   int degree() const override {
     const int first = degree_of(*parts_[0]), second = degree_of(*parts_[1]);
@@ -64,6 +70,7 @@ class OfFormulas final : public Enclosure {
   }
 
   std::array<std::shared_ptr<const Syntax>, 2> parts_;
+  bool same_;  // one evaluation serves both
 };
 
 /// M(n) times a field: on straight edges.
@@ -150,6 +157,9 @@ BoundaryField vector_field(const Formula& first, const Formula& second) {
 }
 
 VectorField body_field(const Formula& first, const Formula& second) {
+  if (first.syntax && second.syntax && are_same(*first.syntax, *second.syntax))
+    return VectorField([one = first.value](const Vec2& x) -> Vec2 { return Vec2::Constant(one(x, Vec2::Zero())); },
+                       known(first, second));
   return VectorField([first = first.value, second = second.value](
                          const Vec2& x) { return Vec2(first(x, Vec2::Zero()), second(x, Vec2::Zero())); },
                      known(first, second));

@@ -31,7 +31,10 @@ class Descent {
   }
 
  private:
+  /// What was met before is the same node, which is evaluated once.
   int add(SyntaxNode node) {
+    const auto found = std::ranges::find(out_.nodes, node);
+    if (found != out_.nodes.end()) return static_cast<int>(found - out_.nodes.begin());
     out_.nodes.push_back(std::move(node));
     return static_cast<int>(out_.nodes.size()) - 1;
   }

@@ -32,6 +32,7 @@ struct SyntaxNode {
   double value = 0;
   int argument = 0;
   std::vector<int> of;
+  bool operator==(const SyntaxNode&) const = default;
 };
 
 struct Syntax {
@@ -56,9 +57,8 @@ struct ScalarOnPiece {
 };
 ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLine& edge, double from, double to);
 Interval enclose(const Syntax& syntax, const Interval& x, const Interval& y);
-/// As Enclosure::remainder, of a scalar.
-double remainder(const Syntax& syntax, const Interval& x, const Interval& y, const Interval& dx, const Interval& dy,
-                 int order);
+/// As Enclosure::deviation, of a scalar.
+double deviation(const Syntax& syntax, const Interval& x, const Interval& y, int degree);
 /// Degree of a polynomial in x and y (with normals as constants), or -1.
 int degree_of(const Syntax& syntax);
 

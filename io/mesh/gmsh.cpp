@@ -81,10 +81,10 @@ void stop_removing() {
 /// A file of its own in the folder for temporary files, gone with the object.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::string& ending) {
+  explicit TemporaryFile(const std::string& suffix) {
     std::error_code code;  // a folder that is not there
-    name_ = (std::filesystem::temp_directory_path(code) / ("kerf-XXXXXX" + ending)).string();
-    const int file = code ? -1 : mkstemps(name_.data(), int(ending.size()));
+    name_ = (std::filesystem::temp_directory_path(code) / ("kerf-XXXXXX" + suffix)).string();
+    const int file = code ? -1 : mkstemps(name_.data(), int(suffix.size()));
     if (file < 0)
       throw Error(Fault::Files, fmt::format("cannot make a temporary file: {}; set TMPDIR to a folder that exists and "
                                             "may be written to",

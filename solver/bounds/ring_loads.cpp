@@ -156,8 +156,8 @@ class RingSampling {
     const Eigen::Matrix4Xd c = at * project_strain_, left = at - c * basis_;
     to.coefficients.col(column) = Eigen::Map<const Eigen::VectorXd>(c.data(), c.size());
     const Eigen::RowVector4d counts(1, 1, 2, 0);  // the shear counts twice in |e|
-    to.rest[column] = 2 * (normal.rest + shear.rest) + counts * left.cwiseAbs2() * kernel_.load.w;
-    to.error[column] = 2 * (normal.error + shear.error);
+    to.rest[column] = normal.rest + 2 * shear.rest + counts * left.cwiseAbs2() * kernel_.load.w;
+    to.error[column] = normal.error + 2 * shear.error;
   }
 
   /// As static_interior.

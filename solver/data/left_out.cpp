@@ -5,23 +5,14 @@
 
 namespace kerf {
 
-namespace {
-
-/// From the middle to all of it.
-Interval steps(const Interval& of) {
-  constexpr double rounding = 1e-14;
-  const double half = 0.5 * (of.high - of.low) * (1 + rounding);
-  return {-half, half};
-}
-
-}  // namespace
-
 LeftOut left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y,
-                           const std::array<Interval, 2>& range, double enough) {
+                           const std::array<Interval, 2>& range, double enough, double useless) {
   LeftOut left{{range[0].high - range[0].low, range[1].high - range[1].low}};
-  for (const int order : {4, 8}) {  // the lower one is three times as fast
-    if (left.of.maxCoeff() <= enough) break;
-    const std::array<double, 2> rest = f.remainder(x, y, steps(x), steps(y), order);
+  constexpr double gain = 1e3;       // of the higher degree, at most, where the box is not small
+  for (const int degree : {4, 7}) {  // the lower one is twice as fast
+    const double now = left.of.maxCoeff();
+    if (now <= enough || (degree == 7 && now > gain * useless)) break;
+    const std::array<double, 2> rest = f.remainder(x, y, {}, {}, degree);
     left.of = left.of.cwiseMin(Vec2(2 * rest[0], 2 * rest[1]));
     left.rough = !(std::isfinite(rest[0]) && std::isfinite(rest[1]));
   }

@@ -1,11 +1,11 @@
 #include "solver/data.hpp"
+#include "solver/data/all_triangles.hpp"
 
 #include "solver/element/local.hpp"
 
-#include "solver/parallel.hpp"
-
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace kerf {
 
@@ -176,13 +176,10 @@ SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& r
   SceneData data = boundary_data(mesh, scene, bows);
   data.strain = strain_data(mesh, scene, rule, threads, bows);
   if (!scene.body || is_polynomial(scene.body)) return data;
-  data.body.resize(mesh.triangles.size());
-  const double size = size_over(scene.body, mesh);
-  parallel_for(static_cast<Index>(data.body.size()), threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      data.body[t] = triangle_values(scene.body, cell_of(mesh, bows, t), rule, size);
-    }
-  });
+  std::vector<Index> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), Index(0));
+  const auto cell = [&](Index t) { return cell_of(mesh, bows, t); };
+  data.body = triangle_values(scene.body, all, cell, rule, size_over(scene.body, mesh), "body force", threads);
   return data;
 }
 

@@ -1,4 +1,5 @@
 #include "solver/data.hpp"
+#include "solver/data/all_triangles.hpp"
 
 #include "base/dense.hpp"
 #include "solver/element/local.hpp"
@@ -6,6 +7,7 @@
 #include "solver/polynomial.hpp"
 
 #include <algorithm>
+#include <map>
 
 namespace kerf {
 
@@ -29,32 +31,46 @@ struct Sampled {
   Resolution how = Resolution::Proved;
 };
 
+/// The values of all regions' eigenstrains in their triangles.
 class Sampling {
  public:
-  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, const Bows& bows)
-      : mesh_(mesh), rule_(rule), bows_(bows) {
+  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, const Bows& bows, int threads)
+      : mesh_(mesh), rule_(rule), bows_(bows), place_(mesh.triangles.size()) {
+    double size = 0;
     for (const Eigenstrain& e : scene.eigenstrain)
-      size_ = std::max({size_, e ? size_over(e.normal, mesh) : 0, e ? size_over(e.shear, mesh) : 0});
+      size = std::max({size, e ? size_over(e.normal, mesh) : 0, e ? size_over(e.shear, mesh) : 0});
+    std::map<const Eigenstrain*, std::vector<Index>> triangles;
+    for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+      if (const Eigenstrain* e = eigenstrain_of(mesh, scene, t)) {
+        place_[static_cast<std::size_t>(t)] = triangles[e].size();
+        triangles[e].push_back(t);
+      }
+    for (const auto& [e, which] : triangles)
+      for (const VectorField* f : {&e->normal, &e->shear})
+        if (!is_polynomial(*f))
+          known_[f] = triangle_values(
+              *f, which, [&](Index t) { return cell_of(mesh, bows, t); }, rule, size, "eigenstrain", threads);
   }
 
   Sampled operator()(const Eigenstrain& e, Index t) const {
-    const Triangle cell = cell_of(mesh_, bows_, t);
     Sampled s{Eigen::Matrix4Xd(4, rule_.w.size())};
-    s.at.topRows<2>() = values(e.normal, cell, s);
-    s.at.bottomRows<2>() = values(e.shear, cell, s);
+    s.at.topRows<2>() = values(e.normal, t, 1, s);
+    s.at.bottomRows<2>() = values(e.shear, t, 2, s);
     return s;
   }
 
  private:
-  Points values(const VectorField& f, const Triangle& cell, Sampled& to) const {
-    if (is_polynomial(f)) {
-      Points at = rule_points(rule_, cell);
+  /// The shear counts twice in |e|.
+  Points values(const VectorField& f, Index t, double counted, Sampled& to) const {
+    const auto found = known_.find(&f);
+    if (found == known_.end()) {
+      Points at = rule_points(rule_, cell_of(mesh_, bows_, t));
       for (Eigen::Index q = 0; q < at.cols(); ++q) at.col(q) = f(at.col(q));
       return at;
     }
-    const TriangleValues v = triangle_values(f, cell, rule_, size_, "eigenstrain");
-    to.rest += 2 * v.rest;  // the shear counts twice in |e|
-    to.error += 2 * v.error;
+    const TriangleValues& v = found->second[place_[static_cast<std::size_t>(t)]];
+    to.rest += counted * v.rest;
+    to.error += counted * v.error;
     if (v.how == Resolution::Open || to.how == Resolution::Open)
       to.how = Resolution::Open;
     else if (v.how == Resolution::Sampled)
@@ -65,7 +81,8 @@ class Sampling {
   const Mesh& mesh_;
   const TriangleRule& rule_;
   const Bows& bows_;
-  double size_ = 0;
+  std::vector<std::size_t> place_;  // of a triangle among those of its region
+  std::map<const VectorField*, std::vector<TriangleValues>> known_;
 };
 
 Eigen::Matrix4Xd tensors(const Eigen::Matrix4Xd& e) {
@@ -97,7 +114,7 @@ StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule&
   const Eigen::MatrixXd basis = monomials(data.degree, rule.x), weighted = basis * rule.w.asDiagonal();
   const Eigen::MatrixXd project =
       solve_spd(multiply_transposed(weighted, basis), weighted).transpose();  // values -> coefficients
-  const Sampling sample(mesh, scene, rule, bows);
+  const Sampling sample(mesh, scene, rule, bows, threads);
   parallel_for(triangles, threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Eigenstrain* e = eigenstrain_of(mesh, scene, t);

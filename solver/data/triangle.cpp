@@ -1,15 +1,18 @@
 #include "solver/cut_triangle.hpp"
 #include "solver/data.hpp"
+#include "solver/data/all_triangles.hpp"
 #include "solver/left_out.hpp"
 
 #include "base/dense.hpp"
 #include "solver/element/local.hpp"
+#include "solver/parallel.hpp"
 #include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace kerf {
 
@@ -28,8 +31,13 @@ std::array<Vertices, 4> quarters(const Vertices& c) {
 namespace {
 
 constexpr int kept_degree = 4;
-constexpr double narrow = 1e-9, agreed = 1e-8, rules_agree = 1e-6;  // of the largest value
-constexpr int left_degree = 7;                                      // of the polynomials of left_by_polynomial
+// Shares of the mean of |f| over the body: ranges that count as one number, what is looked for on a triangle, what is
+// put up with there, in cells, and at the last for the sake of a proof, and what two rules of a cell that is not proved
+// may differ by.
+constexpr double narrow = 1e-9, wanted = 1e-8, agreed = 5e-6, of_cells = 1e-6, proved = 1e-3, rules_agree = 1e-6;
+constexpr int left_degree = 7;  // of the polynomials of left_by_polynomial
+
+constexpr int most_looks = 400, shared_looks = 2000;  // at one triangle, alone and where few are open
 
 double area_of(const Vertices& c) {
   return 0.5 * cross(c[1] - c[0], c[2] - c[0]);
@@ -63,6 +71,7 @@ struct Cell {
   const TriangleRule* rule = nullptr;
   std::array<Interval, 2> range{};
   double area = 0, error = 0;           // shares of the triangle
+  Vec2 seen = Vec2::Zero();             // of the integral of |f|, as the values see it
   std::array<Interval, 2> rim_range{};  // on the rim of the cell, this share of the triangle
   double rim = 0;
   bool settled = false, smooth = true;
@@ -74,18 +83,30 @@ struct Cell {
 
 class TriangleIntegration {
  public:
-  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, double size,
-                      const char* what)
-      : f_(f), corners_(corners), rule_(rule), size_(size), what_(what) {}
+  TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, const char* what,
+                      double size, int looks, double small = 1)
+      : f_(f), corners_(corners), rule_(rule), what_(what), size_(size), looks_(looks), small_(small) {}
 
+  /// Whether more looks would add nothing.
+  bool is_settled() const {
+    return is_settled_;
+  }
+  /// The mean of each component's size.
+  Vec2 seen() const {
+    Vec2 sum = Vec2::Zero();
+    for (const Cell& c : cells_) sum += c.seen;
+    return sum;
+  }
   TriangleValues run() {
     static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
     TriangleValues result;
     cells_.push_back(cell(unit));
     result.at = cells_[0].value;
-    if (cells_[0].settled) {
+    is_settled_ = cells_[0].settled;
+    if (is_settled_ || looks_ == 1) {
       result.error = cells_[0].error;
-      if (cells_[0].rim > 0) result.rest = cells_[0].rim * std::pow(width_of(cells_[0].rim_range), 2);
+      result.rest = cells_[0].left.squaredNorm();
+      if (cells_[0].rim > 0) result.rest += cells_[0].rim * std::pow(width_of(cells_[0].rim_range), 2);
       result.how = f_.known() && !cells_[0].sampled ? Resolution::Proved : Resolution::Sampled;
       return result;
     }
@@ -129,7 +150,8 @@ class TriangleIntegration {
     Cell made{.corners = c, .area = 2 * area_of(c)};
     f_.known() ? enclose(made) : sample(made);
     ++evaluations_;
-    scale_ = std::max(scale_, made.smooth ? made.area * made.value.cwiseAbs().maxCoeff() : 0.0);
+    if (made.smooth) made.seen = made.area * (made.value.cwiseAbs() * made.rule->w);
+    if (cells_.empty()) scale_ = made.seen.maxCoeff();
     return made;
   }
 
@@ -149,12 +171,20 @@ class TriangleIntegration {
     auto [x, y] = box_of(c);
     c.range = f_.known()->over(x, y);
     double width = width_of(c.range), rim_error = 0;
-    if (std::isfinite(width) && width > narrow * size_) {
+    // What the whole triangle keeps as it is need not be as exact as what is projected piece by piece.
+    // And no more than is little beside the integral, which the values in a narrow place say nothing of.
+    const double size = size_ > 0 ? size_ : largest_of(c.range, 0),
+                 enough = (cells_.empty() ? agreed : of_cells) * size;
+    const auto leave = [&] {
+      return left_by_polynomial(*f_.known(), x, y, c.range, wanted * size, std::max(enough, left_open() / c.area));
+    };
+    LeftOut leaves = leave();
+    if (leaves.of.maxCoeff() > enough) {
       // A field that jumps along the edge of a cell (beside a crack) does not jump in it.
       const Interval x_in = inner(x), y_in = inner(y);
       const std::array<Interval, 2> inside = f_.known()->over(x_in, y_in);
-      constexpr double gain = 0.5;
-      if (width_of(inside) < gain * width) {
+      constexpr double narrower = 0.999;
+      if (width_of(inside) < narrower * width) {
         const double dx = x.high - x.low, dy = y.high - y.low;
         c.rim = 1.01 * ((x_in.low - x.low + x.high - x_in.high) * dy + (y_in.low - y.low + y.high - y_in.high) * dx) /
                 area_of(corners_);
@@ -164,6 +194,7 @@ class TriangleIntegration {
         width = width_of(inside);
         x = x_in;
         y = y_in;
+        leaves = leave();
       }
     }
     if (!std::isfinite(width)) {
@@ -174,9 +205,7 @@ class TriangleIntegration {
       c.error = infinity;
       return;
     }
-    // What the whole triangle keeps as it is need not be as exact as what is projected piece by piece.
-    const double size = largest_of(c.range, size_), enough = (cells_.empty() ? agreed : narrow) * size;
-    const auto [left, rough] = left_by_polynomial(*f_.known(), x, y, c.range, narrow * size);
+    const auto& [left, rough] = leaves;
     c.settled = left.maxCoeff() <= enough;
     c.error = c.area * left.sum() + rim_error;
     // The first cell's values are wanted at the points of the rule in any case.
@@ -231,33 +260,53 @@ class TriangleIntegration {
     c.error = c.area * (c.settled ? better(look.difference, look.size) : look.difference);
   }
 
+  /// Of a black box next to nothing: it is not asked again what the difference of two rules may hide.
+  double left_open() const {
+    constexpr double of_samples = 1e-7;
+    return f_.known() ? of_cells * std::max(scale_, size_) : std::max(of_samples * scale_, narrow * size_);
+  }
+  struct Open {
+    double error = 0;
+    std::optional<std::size_t> worst = {};
+  };
+  Open open_cells() const {
+    constexpr double finest = 1e-12;  // share of the area
+    Open open;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (cells_[i].settled || cells_[i].area < finest) continue;
+      open.error += cells_[i].error;
+      if (!open.worst || cells_[i].error > cells_[*open.worst].error) open.worst = i;
+    }
+    return open;
+  }
+  /// Where looks do not prove enough.
+  bool take_samples() {
+    if (!f_.known() || open_cells().error <= proved * std::max(scale_, small_ * size_)) return false;
+    for (Cell& c : cells_) settle_by_samples(c);
+    return true;
+  }
+
   void refine() {
-    constexpr int most = 400, proofs = 120;  // looks at a cell, and those that wait for a proof
-    bool waits = true;
-    constexpr double small = 1e-7, finest = 1e-12;  // the latter a share of the area
-    while (evaluations_ < most) {
+    const int proofs = std::max(120, looks_ / 2);  // looks that wait for a proof
+    bool waits = true, samples = false;
+    for (;;) {
+      scale_ = seen().maxCoeff();
       if (waits && evaluations_ > proofs) {
         waits = false;
-        if (f_.known())
-          for (Cell& c : cells_) settle_by_samples(c);
+        samples = take_samples();
       }
-      std::size_t worst = cells_.size();
-      double open = 0;
-      for (std::size_t i = 0; i < cells_.size(); ++i) {
-        if (cells_[i].settled || cells_[i].area < finest) continue;
-        open += cells_[i].error;
-        if (worst == cells_.size() || cells_[i].error > cells_[worst].error) worst = i;
-      }
-      if (worst == cells_.size() || open <= std::max(small * scale_, narrow * size_)) return;
-      const Vertices c = cells_[worst].corners;
-      const auto four = quarters(c);
-      cells_[worst] = cell(four[0]);
+      const auto [open, worst] = open_cells();
+      is_settled_ = !worst || open <= left_open();
+      if (is_settled_) return;
+      if (evaluations_ >= looks_) break;
+      const auto four = quarters(cells_[*worst].corners);
+      cells_[*worst] = cell(four[0]);
       for (std::size_t k = 1; k < 4; ++k) cells_.push_back(cell(four[k]));
-      if (!waits && f_.known()) {
-        settle_by_samples(cells_[worst]);
-        for (std::size_t k = 1; k < 4; ++k) settle_by_samples(cells_[cells_.size() - k]);
-      }
+      if (!samples) continue;
+      settle_by_samples(cells_[*worst]);
+      for (std::size_t k = 1; k < 4; ++k) settle_by_samples(cells_[cells_.size() - k]);
     }
+    if (waits) take_samples();
   }
 
   void collect(TriangleValues& result) const {
@@ -305,11 +354,14 @@ class TriangleIntegration {
   const VectorField& f_;
   const Vertices& corners_;
   const TriangleRule& rule_;
-  double size_;
   const char* what_;
+  double size_;
+  int looks_;
+  double small_;
   std::vector<Cell> cells_;
   int evaluations_ = 0;
   double scale_ = 0;
+  bool is_settled_ = false;
 };
 
 /// The values of a curved triangle are proved where a polynomial leaves little of f over its box: what two rules of the
@@ -334,6 +386,92 @@ void prove(const Enclosure& f, const Triangle& cell, double size, TriangleValues
   v.error += left.sum();
   v.how = Resolution::Proved;
 }
+
+/// Looks at many triangles: few at all of them, and more at those that few do not settle.
+class SharedLooks {
+ public:
+  SharedLooks(const VectorField& f, const std::vector<Index>& which, const std::function<Triangle(Index)>& cell,
+              const TriangleRule& rule, double largest, const char* what, int threads)
+      : f_(f),
+        which_(which),
+        cell_(cell),
+        rule_(rule),
+        largest_(largest),
+        what_(what),
+        threads_(threads),
+        values_(which.size()),
+        size_(which.size(), Vec2::Zero()),
+        open_(which.size()) {
+    std::iota(open_.begin(), open_.end(), std::size_t{0});
+    for (const Index t : which_) area_ += area(cell_(t));
+  }
+
+  std::vector<TriangleValues> run() && {
+    static const TriangleRule few = triangle_rule(5);
+    for_each_open([&](std::size_t k, const Triangle& t) {
+      const Points x = places(few, t.x);
+      for (Eigen::Index q = 0; q < x.cols(); ++q)
+        if (const Vec2 v = f_(x.col(q)).cwiseAbs(); v.allFinite()) size_[k] += few.w[q] * v;
+      return false;
+    });
+    look(1);
+    double budget = 3 * static_cast<double>(which_.size()) + 4 * shared_looks;
+    for (const int looks : {5, 30}) {
+      const double cost = looks * static_cast<double>(open_.size());
+      if (cost > budget) break;
+      look(looks);
+      budget -= cost;
+    }
+    if (!open_.empty())
+      look(static_cast<int>(std::clamp(budget / static_cast<double>(open_.size()), 5.0, double(shared_looks))));
+    return std::move(values_);
+  }
+
+ private:
+  /// Those of which `settles` is true come off the list.
+  template <typename Settles>
+  void for_each_open(const Settles& settles) {
+    std::vector<char> settled(open_.size());
+    parallel_for(static_cast<Index>(open_.size()), threads_, [&](Index begin, Index end) {
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+        settled[i] = settles(open_[i], cell_(which_[open_[i]]));
+    });
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < open_.size(); ++i)
+      if (!settled[i]) open_[left++] = open_[i];
+    open_.resize(left);
+  }
+  void look(int looks) {
+    Vec2 sum = Vec2::Zero();
+    for (std::size_t k = 0; k < which_.size(); ++k) sum += area(cell_(which_[k])) * size_[k];
+    constexpr double nothing = 1e-13, most = 10;
+    const double mean = std::max(sum.maxCoeff() / area_, nothing * largest_),
+                 usual = area_ / static_cast<double>(which_.size());
+    for_each_open([&](std::size_t k, const Triangle& t) {
+      if (!f_.known() || is_curved(t)) {
+        values_[k] = triangle_values(f_, t, rule_, largest_, what_);
+        return true;
+      }
+      const double small = std::max(1.0, std::sqrt(usual / area(t))), times = std::min(small, most);
+      TriangleIntegration of(f_, t.x, rule_, what_, mean * times, looks, small / times);
+      values_[k] = of.run();
+      size_[k] = of.seen();
+      return of.is_settled();
+    });
+  }
+
+  const VectorField& f_;
+  const std::vector<Index>& which_;
+  const std::function<Triangle(Index)>& cell_;
+  const TriangleRule& rule_;
+  const double largest_;
+  const char* what_;
+  const int threads_;
+  std::vector<TriangleValues> values_;
+  std::vector<Vec2> size_;  // the mean of |f| in each, as seen so far
+  std::vector<std::size_t> open_;
+  double area_ = 0;
+};
 
 }  // namespace
 
@@ -400,7 +538,13 @@ TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const
 
 TriangleValues triangle_values(const VectorField& f, const std::array<Vec2, 3>& corners, const TriangleRule& rule,
                                double size, const char* what) {
-  return TriangleIntegration(f, corners, rule, size, what).run();
+  return TriangleIntegration(f, corners, rule, what, size, most_looks).run();
+}
+
+std::vector<TriangleValues> triangle_values(const VectorField& f, const std::vector<Index>& which,
+                                            const std::function<Triangle(Index)>& cell, const TriangleRule& rule,
+                                            double size, const char* what, int threads) {
+  return SharedLooks(f, which, cell, rule, size, what, threads).run();
 }
 
 }  // namespace kerf

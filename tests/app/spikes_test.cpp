@@ -170,7 +170,7 @@ TEST_F(Spikes, NothingFalseIsGuaranteed) {
   for (const double width : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) walk(width, random);
   RecordProperty("tried", tried);
   RecordProperty("withdrawn", withdrawn);
-  EXPECT_LT(withdrawn, tried / 2);
+  EXPECT_LE(withdrawn, tried / 4);  // prescribed displacements that jump have no bounds
 }
 
 TEST_F(Spikes, ANarrowPressureInACrackIsSeenByItsBounds) {

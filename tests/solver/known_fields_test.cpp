@@ -1,11 +1,15 @@
 // Fields of which more is known than their values: what is proved of sums and multiples, and of integrals over
 // triangles. The truths are areas and integrals by hand.
 
-#include "solver/data.hpp"
+#include "solver/data/all_triangles.hpp"
+#include "solver/element/local.hpp"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace kerf::known_fields_test {
 namespace {
@@ -87,6 +91,27 @@ TEST(KnownFields, JumpsAlongAnEdgeAreNoneInside) {
   EXPECT_LT(v.error, 1e-9);
   EXPECT_GT(v.rest, 0);
   EXPECT_LT(v.rest, 1e-9);
+}
+
+// Ten waves in each triangle, of which nothing but the range is known: a few looks per triangle, and no proof.
+TEST(KnownFields, WhatCannotBeProvedCostsAFewLooks) {
+  const TriangleRule rule = triangle_rule(10);
+  std::atomic<int> looks = 0;
+  const VectorField f = known([](const Vec2& x) { return 2 + std::sin(6000 * x.x()) * std::cos(5000 * x.y()); },
+                              [&looks](const Interval&, const Interval&) -> Interval {
+                                return ++looks, Interval{1, 3};
+                              });
+  std::vector<Index> all(5000);
+  std::iota(all.begin(), all.end(), 0);
+  const auto cell = [](Index t) {
+    const double x = 0.01 * (t % 100), y = 0.01 * (t / 100);
+    return Triangle{.x = {Vec2(x, y), Vec2(x + 0.01, y), Vec2(x, y + 0.01)}};
+  };
+  const std::vector<TriangleValues> values = triangle_values(f, all, cell, rule, 3, "body force", 2);
+  EXPECT_LT(looks, 20 * 5000);
+  double total = 0;
+  for (const TriangleValues& v : values) total += mean(v, rule) / 5000;
+  EXPECT_NEAR(total, 2, 0.05);
 }
 
 TEST(KnownFields, NothingIsProvedOfWhatHasNoRange) {

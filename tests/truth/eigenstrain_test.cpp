@@ -181,6 +181,7 @@ degree = 2
   const double lower = result["state"]["energy_bounds"][0], upper = result["state"]["energy_bounds"][1];
   EXPECT_LT(upper - lower, 0.01 * upper);
   EXPECT_LT(result["state"]["estimated_error"], 0.08);
+  EXPECT_EQ(result.dump().find("known at sampled points"), std::string::npos);
 }
 
 // Held all around, incompressible, and asked to swell: no state. Free at the top it rises by what it swells.
