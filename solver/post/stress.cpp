@@ -110,21 +110,57 @@ std::vector<double> angles(const Mesh& mesh) {
   return angle;
 }
 
-// Reentrant corners, and where the two edges of the boundary are not held in the same way.
+// How a piece of the boundary is held.
+enum class Held { Free, Fully, Normal, Else };
+
+Held held(const Scene& scene, Index label, const Vec2& n) {
+  bool first = false, second = false;
+  for (const Support& support : scene.supports)
+    if (support.label == label) first = first || support.first, second = second || support.second;
+  if (!first && !second) return Held::Free;
+  if (first && second) return Held::Fully;
+  return on_rollers(scene, label, n) ? Held::Normal : Held::Else;
+}
+
+/// By how much an edge turns the angle of the body at its end `v`, where its arc leaves the chord.
+double turned_by_arc(const Mesh& mesh, Index e, Index v) {
+  if (mesh.arc.empty() || mesh.arc[e] == none) return 0;
+  const bool starts = mesh.edges[e][0] == v;
+  const Arc& arc = mesh.arcs[mesh.arc[e]];
+  const Vec2 chord = (starts ? 1 : -1) * tangent(mesh, e);
+  const double t = parameter(arc, mesh.points[v]);
+  Vec2 along = velocity(arc, t);
+  if (along.dot(chord) < 0) along = -along;
+  const double turn = std::atan2(cross(chord, along), chord.dot(along));
+  return starts == (mesh.sides[e][0] != none) ? -turn : turn;
+}
+
+/// Whether stresses are infinite where two sides meet at an angle [Williams 1952]. A roller continues the body as its
+/// mirror image, with the angle doubled.
+bool is_singular(double angle, Held one, Held other) {
+  constexpr double square = pi / 2 + kink, round = 0.9 * pi;
+  if (angle > reentrant_angle) return true;
+  if (one == Held::Normal && other == Held::Normal) return angle > square && angle < round;  // more: chords of a curve
+  if (one == other) return false;
+  const auto mirrors = [](Held a, Held b) { return a == Held::Normal && (b == Held::Free || b == Held::Fully); };
+  return !(mirrors(one, other) || mirrors(other, one)) || angle > square;
+}
+
 void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
   const Mesh& mesh = model.mesh;
-  const std::vector<double> angle = angles(mesh);
-  std::vector<int> held(mesh.points.size(), -1);
+  std::vector<double> angle = angles(mesh);
+  std::vector<std::vector<Held>> beside(mesh.points.size());
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     if (mesh.sides[e][0] != none && mesh.sides[e][1] != none) continue;
-    int kind = 0;  // which components are held
-    for (const Support& support : model.scene.supports)
-      if (support.label == mesh.label[e]) kind += (support.first ? 1 : 0) + (support.second ? 2 : 0);
+    const Held how = held(model.scene, mesh.label[e], outward_normal(mesh, e));
     for (const Index v : mesh.edges[e]) {
-      if (angle[v] > reentrant_angle || (held[v] >= 0 && held[v] != kind)) vertices.insert(v);
-      held[v] = kind;
+      angle[v] += turned_by_arc(mesh, e, v);
+      beside[v].push_back(how);
     }
   }
+  for (std::size_t v = 0; v < beside.size(); ++v)
+    for (std::size_t i = 1; i < beside[v].size(); ++i)
+      if (is_singular(angle[v], beside[v][i - 1], beside[v][i])) vertices.insert(static_cast<Index>(v));
 }
 
 }  // namespace

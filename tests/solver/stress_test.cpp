@@ -44,6 +44,50 @@ TEST(Stress, SingularPointsAreCornersEndsOfSupportsTipsAndKinks) {
     EXPECT_TRUE(std::ranges::any_of(found, [&](const Vec2& y) { return (x - y).norm() < 1e-12; })) << x.transpose();
 }
 
+// Behind rollers the body goes on as its mirror image: corners of up to a right angle with free or fixed sides are
+// none, as where the rim of a hole meets a plane of symmetry. What stands beside them tells them apart.
+TEST(Stress, SingularPointsAreNotWhereRollersMeetSidesSquarely) {
+  struct Corner {
+    double angle;
+    bool other_held;
+    int rollers;  // on how many of its sides
+    bool singular;
+  };
+  for (const auto& [angle, other_held, rollers, singular] :
+       {Corner{90, false, 1, false}, Corner{60, false, 1, false}, Corner{110, false, 1, true},
+        Corner{90, true, 1, false}, Corner{110, true, 1, true}, Corner{90, false, 2, false},
+        Corner{110, false, 2, true}, Corner{90, true, 0, true}, Corner{90, false, 0, false}}) {
+    const double t = angle * pi / 180;
+    Shape shape;
+    shape.labels = {"far", "first", "second"};
+    shape.outline = polygon("wedge", {{0, 0}, {1, 0}, {std::cos(t) + 1, std::sin(t)}, {std::cos(t), std::sin(t)}}, 0);
+    shape.outline.sides[0].label = 1;
+    shape.outline.sides[3].label = 2;
+    Model m;
+    m.mesh = triangulate(shape, {.size = 0.5});
+    m.scene.material = plane_strain(1, 0.3);
+    const auto zero = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+    if (rollers > 0) m.scene.supports.push_back({1, true, true, false, zero});
+    if (rollers > 1) m.scene.supports.push_back({2, true, true, false, zero});
+    if (other_held) m.scene.supports.push_back({2, false, true, true, zero});
+    const std::vector<Vec2> found = singular_points(m);
+    EXPECT_EQ(std::ranges::any_of(found, [](const Vec2& y) { return y.norm() < 1e-12; }), singular)
+        << angle << ' ' << other_held << ' ' << rollers;
+  }
+  Shape quarter;
+  quarter.labels = {"free", "below", "left"};
+  quarter.outline = polygon("quarter", {{1, 0}, {3, 0}, {3, 3}, {0, 3}, {0, 1}}, 0);
+  quarter.outline.sides[0].label = 1;
+  quarter.outline.sides[3].label = 2;
+  quarter.outline.sides[4].arc = Arc{{0, 0}, Mat2::Identity(), pi / 2, 0};
+  Model m;
+  m.mesh = triangulate(quarter, {.size = 0.7, .curved = true});
+  m.scene.material = plane_strain(1, 0.3);
+  const auto zero = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+  m.scene.supports = {{1, false, false, true, zero}, {2, false, true, false, zero}};
+  EXPECT_TRUE(singular_points(m).empty());
+}
+
 // Behind rollers that it meets squarely a joint goes on as its own mirror image: no end, unless it slants or the side
 // is free.
 TEST(Stress, SingularPointsAreNotWhereAJointMeetsRollersSquarely) {
