@@ -6,6 +6,7 @@
 #include "kerf/derivative_bounds.hpp"
 #include "solver/open_faces.hpp"
 #include "solver/recovery.hpp"
+#include "solver/resultants.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/core.h>
@@ -128,6 +129,23 @@ void confront(TipBounds& b, const TipIntensity& tip) {
   if (!b.K_I.guaranteed || !b.K_II.guaranteed) qualify(b.G, b.K_I.guaranteed ? b.K_II.note : b.K_I.note);
 }
 
+/// The reactions of the stress itself are better than it is: their error is a product of two.
+void confront(std::vector<BoundedMean>& means, const BoundsRequest& request, const Model& m, const State& s) {
+  if (request.reactions.empty()) return;
+  constexpr double unsure = 0.02;
+  const std::vector<LabelResultant> own = reactions(m, s);
+  double size = 0;
+  for (const LabelResultant& r : own) size = std::max(size, r.of.force.norm());
+  std::size_t next = 0;
+  for (BoundedMean& mean : means) {
+    if (mean.of != BoundedMean::Of::Reaction) continue;
+    const auto at = std::ranges::find(own, request.reactions[next++], &LabelResultant::label);
+    if (at == own.end()) continue;
+    for (int k = 0; k < 2; ++k)
+      confront(mean.quantities[static_cast<std::size_t>(k)], at->of.force[k], unsure * size, "the stress on that side");
+  }
+}
+
 struct GoalBound {
   Bounded interval;
   std::vector<Eigen::VectorXd> eta;  // of the dual solutions
@@ -218,6 +236,7 @@ BoundsResult bound_quantities(const BoundsTask& task, const BoundsRequest& reque
   for (BoundedPoint& p : out.points)
     for (Bounded* b : {&p.s_xx, &p.s_yy, &p.s_xy, &p.von_mises, &p.derivative}) qualify(*b, estimate);
   out.means = means_of(task, request, model, found, bounds);
+  confront(out.means, request, model, state);
   for (BoundedMean& m : out.means)
     for (Bounded& b : m.quantities) qualify(b, estimate);
   return out;
