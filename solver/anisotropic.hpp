@@ -4,6 +4,8 @@
 
 #include "kerf/material.hpp"
 
+#include <vector>
+
 namespace kerf {
 
 /// e11, e22, 2 e12 from s11, s22, s12; and its inverse. The latter needs c > 0.
@@ -27,6 +29,10 @@ PlaneCompliances compliances(const Material& m);
 /// x + p y solve the equations. Equal in isotropic bodies; sum and product are exact to rounding however near they are.
 using Roots = std::array<std::complex<double>, 2>;
 Roots roots(const Material& m);
+
+/// (x, y) -> x + p y of the roots p of all orthotropic materials: maps after which their fields are as smooth as those
+/// of isotropic bodies.
+std::vector<Mat2> smooth_images(const std::vector<Material>& materials);
 
 /// Barnett's and Lothe's L^-1 and S L^-1 = w (0, -1; 1, 0). A crack with the factors K = (K_II, K_I) opens by
 /// sqrt(8 r/pi) L^-1 K and releases G = K . L^-1 K/2; the rim of a free hole moves by a linear function of x.

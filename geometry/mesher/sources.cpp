@@ -16,22 +16,31 @@ double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
   return std::atan2(cross(in, out), in.dot(out));
 }
 
-/// Curved sides: 32 pieces per turn of a circle with the local radius of curvature.
-void add_curved(const Drawing& drawing, const Strand& strand, double size, std::vector<Source>& sources) {
+/// Curved sides: 32 pieces per turn of a circle with the local radius of curvature, of the side itself and of its
+/// images.
+void add_curved(const Drawing& drawing, const Strand& strand, const Sizing& sizing, std::vector<Source>& sources) {
   const Arc& arc = *strand.arc;
-  const double product = std::abs(determinant(arc));
+  const double size = sizing.size;
+  std::vector<Mat2> images{Mat2::Identity()};
+  images.insert(images.end(), sizing.images.begin(), sizing.images.end());
   const auto wanted = [&](double s) {
-    const double t = arc.from + s * (arc.to - arc.from);
-    const double v = velocity(arc, t).norm();
-    return 2 * pi / 32 * v * v * v / product;
+    const Vec2 along = velocity(arc, arc.from + s * (arc.to - arc.from));
+    double least = infinity;
+    for (const Mat2& image : images)
+      least = std::min(least, (image * along).squaredNorm() / std::abs(image.determinant()));
+    return 2 * pi / 32 * along.norm() * least / std::abs(determinant(arc));
   };
-  // Between the tips and flanks of the ellipse the curvature is monotone: the ends of a stretch know its extremes.
-  const auto p = arc.axes.col(0), q = arc.axes.col(1);
-  const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2, quarter = pi / 2;
+  // Between the tips and flanks of an ellipse the curvature is monotone: the ends of a stretch know its extremes.
+  const double quarter = pi / 2;
   const auto [low, high] = std::minmax(arc.from, arc.to);
   std::vector<double> breaks{0, 1};
-  for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
-    breaks.push_back((t - arc.from) / (arc.to - arc.from));
+  for (const Mat2& image : images) {
+    const Mat2 axes = image * arc.axes;
+    const auto p = axes.col(0), q = axes.col(1);
+    const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2;
+    for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
+      breaks.push_back((t - arc.from) / (arc.to - arc.from));
+  }
   std::sort(breaks.begin(), breaks.end());
   std::vector<std::array<double, 2>> open;
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) open.push_back({breaks[i], breaks[i + 1]});
@@ -168,7 +177,7 @@ struct Finder {
   void ask_along_strands() {
     for (std::size_t i = 0; i < drawing.strands.size(); ++i) {
       const Strand& strand = drawing.strands[i];
-      if (strand.arc) add_curved(drawing, strand, sizing.size, sources);
+      if (strand.arc) add_curved(drawing, strand, sizing, sources);
       // A short side is an edge of the mesh as it is: its neighbors grow from its length.
       const double side = length(drawing, strand);
       if (side < sizing.size && strand.from != strand.to)

@@ -10,15 +10,16 @@ struct Sizing {
   double size = 0;  // target edge length; 0: extent / 40
   double crack_tip_size =
       0;  // target edge length at crack tips; 0: size / 100, which is cheap and halves the error of size / 10
-  double grading = 0.25;        // growth of the target length per length away from tips, corners and small holes
-  double min_angle_deg = 25;    // wherever the input angles allow it
-  double across = 2;            // edges across narrow gaps between sides
-  bool mirrored_tips = false;   // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
-                                // friction needs [theory: F.8]
-  bool curved = false;          // edges along arcs follow them: Mesh::arc
-  bool long_ligaments = false;  // between a straight crack and a straight side or crack close by, one layer of
-                                // triangles up to size / 8 long, however thin: for elements of order 2 [theory: C.35]
-  std::vector<Vec2> ends = {};  // points with edges of end_size: where contact ends (solve_graded finds them)
+  double grading = 0.25;          // growth of the target length per length away from tips, corners and small holes
+  double min_angle_deg = 25;      // wherever the input angles allow it
+  double across = 2;              // edges across narrow gaps between sides
+  bool mirrored_tips = false;     // the mesh around crack tips is its own mirror image in the crack: what Coulomb's
+                                  // friction needs [theory: F.8]
+  bool curved = false;            // edges along arcs follow them: Mesh::arc
+  bool long_ligaments = false;    // between a straight crack and a straight side or crack close by, one layer of
+                                  // triangles up to size / 8 long, however thin: for elements of order 2 [theory: C.35]
+  std::vector<Mat2> images = {};  // linear maps: curved sides get edges as short as their images would, too
+  std::vector<Vec2> ends = {};    // points with edges of end_size: where contact ends (solve_graded finds them)
 };
 /// Target edge length at Sizing::ends, for a size that is given (not 0). Adjoints are singular there as states are at
 /// tips, and T moves with the end: this fraction of the size leaves 1 % where that matters most.

@@ -6,6 +6,7 @@
 #include "io/case/sections.hpp"
 #include "io/document.hpp"
 #include "kerf/element.hpp"
+#include "solver/anisotropic.hpp"
 
 #include <fmt/format.h>
 
@@ -230,6 +231,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_optimize(document, origin.folder, frozen, definitions, c);
   read_curved(document, c);
   c.sizing.long_ligaments = c.element.order >= 2;
+  c.sizing.images = smooth_images(all_materials(c.scene));
   check_all_used(definitions);
   read_map(document, c);
   read_probes(document, origin.folder, c);
@@ -267,6 +269,7 @@ Problem problem_of(const Case& c, int threads) {
   Sizing sizing = c.sizing;
   sizing.curved = c.curved.value_or(false);
   sizing.long_ligaments = false;
+  sizing.images.clear();
   return {.frame = c.shape,
           .scene = c.scene,
           .sizing = sizing,

@@ -90,7 +90,7 @@ constexpr Key rows[] = {
     {"hole[].circle",
      Table,
      {.one_of = true},
-     "A circle, meshed as a polygon of the same area.",
+     "A circle; edges follow it, or are the polygon of the same area (mesh.curved).",
      "{ center = [0.5, 1.2], radius = 0.2 }"},
     {"hole[].circle.center", Pair, {.required = true}, "Its center.", "[0.5, 1.2]"},
     {"hole[].circle.radius", Number, {.range = above_zero, .required = true}, "Its radius.", "0.2"},

@@ -113,6 +113,16 @@ Roots roots(const Material& m) {
   return p;
 }
 
+std::vector<Mat2> smooth_images(const std::vector<Material>& materials) {
+  std::vector<Mat2> images;
+  for (const Material& m : materials) {
+    if (isotropic(m)) continue;
+    for (const std::complex<double>& p : roots(m))
+      images.push_back((Mat2() << 1, p.real(), 0, p.imag()).finished());
+  }
+  return images;
+}
+
 Surface surface(const Material& m) {
   const PlaneCompliances b = own_compliances(m);
   const double ratio = std::sqrt(b.b22 / b.b11), r = std::sqrt((2 * b.b12 + b.b66) / b.b11 + 2 * ratio);

@@ -332,6 +332,26 @@ TEST(Triangulate, IsDeterministic) {
   EXPECT_EQ(a.crack, b.crack);
 }
 
+// The image is an ellipse of aspect 5, with tips where x = 0: a fifth of the edges' length there, the same elsewhere.
+TEST(Triangulate, CurvedSidesAreAsFineAsTheirImagesWouldBe) {
+  const Shape shape = with_holes({circle("h", {0, 0}, 0.3, 4)});
+  const auto longest = [](const Mesh& mesh, const Vec2& at) {
+    double all = 0;
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+      const Vec2 middle = 0.5 * (mesh.points[mesh.edges[e][0]] + mesh.points[mesh.edges[e][1]]);
+      if (mesh.label[e] == 4 && (middle - at).norm() < 0.05) all = std::max(all, length(mesh, static_cast<Index>(e)));
+    }
+    return all;
+  };
+  Sizing sizing{.size = 0.5, .curved = true};
+  const Mesh plain = triangulate(shape, sizing);
+  sizing.images = {Eigen::DiagonalMatrix<double, 2>(1, 5)};
+  const Mesh finer = triangulate(shape, sizing);
+  const Vec2 tip(0, 0.3), flank(0.3, 0);
+  EXPECT_NEAR(longest(finer, tip) / longest(plain, tip), 0.2, 0.08);
+  EXPECT_GT(longest(finer, flank), 0.5 * longest(plain, flank));
+}
+
 TEST(Triangulate, KeepsSmallInputAnglesAndEndsThere) {
   for (const double angle : {20.0, 5.0, 1.0, 0.1}) {
     const double rise = std::tan(angle * pi / 180);
