@@ -92,32 +92,6 @@ std::vector<MapPoint> at_corners(const Mesh& mesh, const PlotData& data, const F
 
 }  // namespace
 
-void remove_earlier_results(const std::filesystem::path& folder, bool resume) {
-  std::vector<std::filesystem::path> old;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
-    const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
-                          (name.starts_with("probe_") && type == ".csv") ||
-                          ((name.starts_with("state_") || name.starts_with("map_")) && type == ".vtu");
-    const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
-                         name == "optimize.pvd" || name == "history.csv";
-    if (resumed && !resume) old.push_back(entry.path());
-    for (const char* known :
-         {"result.json",  "state.vtu",  "state.pvtu",   "map.vtu",       "map.pvtu",    "map.csv",
-          "validate.csv", "mesh.png",   "measured.csv", "von_mises.png", "map.png",     "validate.png",
-          "report.html",  "report.bin", "design.png",   "evolution.png", "history.png", "optimality.png",
-          "design.toml",  "design.svg", "design.dxf",   "design.msh",    "design.step", "case.toml",
-          "bounds.csv",   "bounds.vtp"})
-      if (name == known) old.push_back(entry.path());
-    if (numbered) old.push_back(entry.path());
-  }
-  for (const auto& path : old) {
-    std::error_code failed;
-    std::filesystem::remove(path, failed);
-    if (failed) throw Error(Fault::Files, fmt::format("cannot remove {}: {}", path.string(), failed.message()));
-  }
-}
-
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks) {
   if (journal.vtk)

@@ -7,10 +7,6 @@
 
 namespace kerf {
 
-/// What an earlier run left under the names of the interface: a stale map beside a new state would mislead. But for
-/// what an optimization goes on from when it is resumed. Throws Error(Files).
-void remove_earlier_results(const std::filesystem::path& folder, bool resume);
-
 /// state.vtu, crack_<name>.csv and .vtp.
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks);

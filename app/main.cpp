@@ -2,6 +2,7 @@
 
 #include "app/command_line.hpp"
 #include "app/farm.hpp"
+#include "app/folder.hpp"
 #include "app/forecast.hpp"
 #include "app/keys.hpp"
 #include "app/mesh.hpp"
@@ -17,6 +18,7 @@
 #include "app/watchdog.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
+#include "io/module.hpp"
 #include "io/words.hpp"
 #include "kerf/stop.hpp"
 
@@ -184,14 +186,11 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-/// kerf-bench beside this program, or else on the PATH, in place of this process: same exit code. Returns only by
-/// throwing.
+/// kerf-bench beside this program in place of this process: same exit code. Returns only by throwing.
 [[noreturn]] void start_bench(char** arguments) {
-  std::error_code unknown;
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
-  if (!unknown) execv((here / "kerf-bench").c_str(), arguments);
-  execvp("kerf-bench", arguments);
-  throw Error(Fault::Files, "the benches are not installed: there is no program kerf-bench beside kerf or on the PATH");
+  const std::filesystem::path bench = find_beside("kerf-bench");
+  if (!bench.empty()) execv(bench.c_str(), arguments);
+  throw Error(Fault::Files, "the benches are not installed: there is no program kerf-bench beside kerf");
 }
 
 int perform_init(const Arguments& arguments) {
@@ -347,9 +346,10 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
   }
   if (options.resume) check_checkpoint(options.folder, c.fingerprint);
   // Nothing to resume: a run like any other, which overwrites nothing.
-  options.resume = options.resume && has_checkpoint(options.folder);
+  const bool resume = options.resume;
+  options.resume = resume && has_checkpoint(options.folder);
   FolderLock lock;
-  make_ready(options.folder, arguments.force || options.resume, "result.json", lock);
+  claim_folder(options.folder, arguments.force, resume, lock);
   options.lock = &lock;
   catch_signals();
   return perform_jobs(arguments, c, job, options, watchdog);

@@ -387,13 +387,22 @@ int run_by_mpiexec(int count, char** argv) {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe", unknown).string(),
                     processes = std::to_string(count);
   // More processes than cores is for the user to say; they are not tied to cores that others have been given, too.
-  std::vector<const char*> words{
-      "mpiexec", "--oversubscribe", "--bind-to", "none", "-n", processes.c_str(), unknown ? argv[0] : program.c_str()};
+  const std::string mpiexec = find_program("mpiexec").string();
+  if (mpiexec.empty())
+    throw Error(Fault::Files,
+                "there is no mpiexec on the PATH; ./dev petsc installs it, or start kerf with your own launcher");
+  std::vector<const char*> words{mpiexec.c_str(),
+                                 "--oversubscribe",
+                                 "--bind-to",
+                                 "none",
+                                 "-n",
+                                 processes.c_str(),
+                                 unknown ? argv[0] : program.c_str()};
   for (char** word = argv + 1; *word; ++word) words.push_back(*word);
   words.push_back(nullptr);
   launcher = fork();
   if (launcher == 0) {
-    execvp(words[0], const_cast<char**>(words.data()));
+    execv(words[0], const_cast<char**>(words.data()));
     _exit(127);
   }
   if (launcher < 0) throw Error(Fault::Files, "no further process can be started");

@@ -6,6 +6,7 @@
 #include "app/draw.hpp"
 #include "app/farm.hpp"
 #include "app/files.hpp"
+#include "app/folder.hpp"
 #include "app/history.hpp"
 #include "app/load_cases.hpp"
 #include "app/map.hpp"
@@ -209,17 +210,13 @@ void prepare_folder(const RunOptions& options, const std::string& fingerprint) {
 
 /// The case with its overrides, from which the folder can be made again.
 KeptCase kept_case(const Case& c, const std::string& command) {
-  std::vector<std::string> head{fmt::format("The case of these results, as kerf {} read it", KERF_VERSION)};
+  std::vector<std::string> head{fmt::format("{}{} read it", head_of_results, KERF_VERSION)};
   if (!command.empty()) head.push_back(command);
   return keep(c, head);
 }
 
 void write_kept(const KeptCase& kept, const std::filesystem::path& folder) {
-  for (const auto& [name, bytes] : kept.files) {
-    std::error_code there;
-    std::filesystem::create_directories((folder / name).parent_path(), there);
-    write_file(folder / name, bytes);
-  }
+  for (const auto& [name, bytes] : kept.files) write_file(folder, name, bytes);
   write_file(folder / "case.toml", kept.text);
 }
 

@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -43,20 +44,26 @@ void make_folder(const fs::path& folder) {
     throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", folder.string(), failed.message()));
 }
 
-/// This program with those arguments; what it says on stderr goes to run.log.
-pid_t start(const std::vector<std::string>& arguments, const fs::path& folder) {
-  make_folder(folder);
+/// This program with those arguments; what it says on stderr goes to run.log. It ends with this one.
+pid_t start(const std::vector<std::string>& arguments, const fs::path& sweep, const std::string& name) {
+  const int to = new_file(sweep, fs::path(name) / "run.log");
+  if (to < 0)
+    throw Error(Fault::Files,
+                fmt::format("cannot write '{}': {}", (sweep / name / "run.log").string(),
+                            to == -ENOTDIR ? "what its folder is called is a link or no folder" : std::strerror(-to)));
   std::error_code ignored;
-  fs::remove(folder / "failed.txt", ignored);
+  fs::remove(sweep / name / "failed.txt", ignored);
   std::vector<char*> argv{const_cast<char*>("kerf")};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  const std::string log = (folder / "run.log").string();
-  const pid_t child = fork();
+  const pid_t parent = getpid(), child = fork();
+  if (child != 0) close(to);
   if (child < 0) throw Error(Fault::Numerics, fmt::format("cannot start a process: {}", std::strerror(errno)));
   if (child > 0) return child;
-  const int to = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), nothing = open("/dev/null", O_RDWR);
-  if (to >= 0) dup2(to, STDERR_FILENO);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);                                   // what it wrote is whole, and goes on from there
+  if (getppid() != parent) _exit(static_cast<int>(Fault::Numerics));  // it ended before
+  const int nothing = open("/dev/null", O_RDWR);
+  dup2(to, STDERR_FILENO);
   dup2(nothing, STDIN_FILENO);
   dup2(nothing, STDOUT_FILENO);
   execv("/proc/self/exe", argv.data());
@@ -94,7 +101,7 @@ void run_sweep(const SweepPlan& plan, const SweepHow& how) {
   while (next < todo.size() || !going.empty()) {
     while (next < todo.size() && going.size() < static_cast<std::size_t>(how.jobs) && !stop_requested()) {
       const SweepRun& run = *todo[next++];
-      going[start(arguments_of(plan, run, how.threads), plan.folder / run.name)] = &run;
+      going[start(arguments_of(plan, run, how.threads), plan.folder, run.name)] = &run;
     }
     if (going.empty()) break;
     int status = 0;
@@ -119,15 +126,13 @@ std::string for_shell(const std::string& word) {
   return out;
 }
 
-/// A line per run: its folder, a tab, the rest of its command.
+/// A line per run: its folder, and what its command has more, word by word, with tabs between.
 std::string list_of_runs(const SweepPlan& plan) {
   std::string out;
   for (const SweepRun& run : plan.runs) {
     out += run.name;
-    out += '\t';
-    for (const std::string& assignment : overrides_of(plan, run))
-      out += fmt::format("--set {} ", for_shell(assignment));
-    out.back() = '\n';
+    for (const std::string& assignment : overrides_of(plan, run)) out += "\t--set\t" + assignment;
+    out += '\n';
   }
   return out;
 }
@@ -149,7 +154,8 @@ std::string snakefile(const SweepPlan& plan, int threads, const std::string& aga
   return fmt::format(R"(# Written by kerf sweep: snakemake --cores 2 (or any profile for a cluster) in this folder.
 import shlex
 
-RUNS = dict(line.rstrip("\n").split("\t") for line in open("runs.tsv"))
+LINES = [line.rstrip("\n").split("\t") for line in open("runs.tsv")]
+RUNS = {{line[0]: shlex.join(line[1:]) for line in LINES}}
 CASE = {0}
 
 
@@ -182,11 +188,12 @@ std::string slurm_script(const SweepPlan& plan, int threads) {
 #SBATCH --array=1-{}
 #SBATCH --cpus-per-task={}
 #SBATCH --output=/dev/null
-IFS=$'\t' read -r run arguments < <(sed -n "${{SLURM_ARRAY_TASK_ID}}p" runs.tsv)
+IFS=$'\t' read -r -a words < <(sed -n "${{SLURM_ARRAY_TASK_ID}}p" runs.tsv)
+run=${{words[0]}} case={}
 [ -n "$run" ] || exit 2
 mkdir -p "$run"
 rm -f "$run/failed.txt"
-eval "kerf run {} -o '$run' --force --quiet --log-level error --threads {} $arguments" 2> "$run/run.log" && exit 0
+kerf run "$case" -o "$run" --force --quiet --log-level error --threads {} "${{words[@]:1}}" 2> "$run/run.log" && exit 0
 code=$?
 (echo $code; tail -n 1 "$run/run.log") > "$run/failed.txt"
 exit $code

@@ -33,7 +33,7 @@ install(FILES examples/map.cpp examples/CMakeLists.txt DESTINATION ${CMAKE_INSTA
   COMPONENT dev)
 
 # Modules lie where the loaders look: ../lib/kerf, seen from the program.
-foreach(kind vtk gmsh)
+foreach(kind vtk gmsh petsc)
   if(TARGET kerf_${kind}_module)
     install(TARGETS kerf_${kind}_module LIBRARY DESTINATION lib/kerf COMPONENT ${kind})
   endif()

@@ -12,6 +12,9 @@ namespace kerf {
 /// Through a temporary file beside `path` that is renamed. Throws Error(Files) naming the path and the reason.
 void write_file(const std::filesystem::path& path, std::string_view bytes, Flush flush = Flush::Buffers);
 
+/// The same of a name beneath a folder, whose own folders are made where they are missing and may be no links.
+void write_file(const std::filesystem::path& folder, const std::filesystem::path& name, std::string_view bytes);
+
 /// Throws Error(Files) naming the path and the reason.
 std::string read_file(const std::filesystem::path& path);
 

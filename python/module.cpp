@@ -1,6 +1,7 @@
 // _kerf: cases, runs and what they leave, for the Python around them. Computations go on in a thread of their own,
 // without the interpreter.
 
+#include "app/folder.hpp"
 #include "app/forecast.hpp"
 #include "app/program.hpp"
 #include "app/run.hpp"
@@ -224,7 +225,7 @@ std::unique_ptr<Outcome> run_case(const PythonCase& of, const How& how) {
   compute_for(of, [&] {
     forecast_where_needed(c, job, how.threads, {});
     FolderLock lock;
-    make_ready(options.folder, how.force || how.resume, "result.json", lock);
+    claim_folder(options.folder, how.force, how.resume, lock);
     options.lock = &lock;
     out->result = run(c, job, options);
   });
@@ -360,10 +361,7 @@ PYBIND11_MODULE(_kerf, m) {
       .def("keep",
            [](const PythonCase& of, const std::string& folder) {
              const KeptCase kept = keep(of.c, {});
-             for (const auto& [name, bytes] : kept.files) {
-               std::filesystem::create_directories((std::filesystem::path(folder) / name).parent_path());
-               write_file(std::filesystem::path(folder) / name, bytes);
-             }
+             for (const auto& [name, bytes] : kept.files) write_file(folder, name, bytes);
              write_file(std::filesystem::path(folder) / "case.toml", kept.text);
            })
       .def("text", [](const PythonCase& of) { return keep(of.c, {}).text; })

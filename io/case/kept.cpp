@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 namespace kerf {
@@ -16,7 +17,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Copies of the files that documents name, each once.
+/// A name that means nothing to a shell or a folder: letters, digits, points, dashes; of a long one the end.
+std::string plain(std::string name) {
+  constexpr std::size_t longest = 60;
+  // Of a copy the name before it was copied.
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  if (digits != 0 && digits != std::string::npos && name[digits] == '_') name.erase(0, digits + 1);
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
+  return name.size() > longest ? name.substr(name.size() - longest) : name;
+}
+
+/// Copies of the files that documents name, each once, with names of kerf's own: 1_readings.csv.
 class Copies {
  public:
   explicit Copies(KeptCase& out) : out_(out) {}
@@ -30,10 +42,7 @@ class Copies {
   std::string copy_of(const fs::path& file) {
     const std::string source = fs::absolute(file).lexically_normal().string();
     if (const auto known = name_of_.find(source); known != name_of_.end()) return known->second;
-    std::string name = file.filename().string();
-    const auto taken = [&](const auto& other) { return other.second == name; };
-    for (int k = 2; std::any_of(name_of_.begin(), name_of_.end(), taken); ++k)
-      name = fmt::format("{}_{}", k, file.filename().string());
+    const std::string name = fmt::format("{}_{}", name_of_.size() + 1, plain(file.filename().string()));
     name_of_[source] = name;
     std::string bytes = file.extension() == ".toml" ? body_of(file) : read_file(file);
     out_.files.emplace_back("input/" + name, std::move(bytes));

@@ -1,8 +1,11 @@
 #include "io/module.hpp"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -18,9 +21,11 @@ std::vector<std::filesystem::path> places_beside(const char* name, const std::fi
     places.push_back(program.parent_path() / name);
     places.push_back(program.parent_path().parent_path() / "lib" / "kerf" / name);
   }
+  // Of a program this is argv[0], a name without a folder or one that somebody chose.
   if (Dl_info here{}; dladdr(reinterpret_cast<const void*>(&load_module), &here) != 0 && here.dli_fname)
     places.push_back(std::filesystem::path(here.dli_fname).parent_path() / name);
-  if (!folder.empty()) places.push_back(folder / name);
+  places.push_back(folder / name);
+  std::erase_if(places, [](const auto& place) { return !place.is_absolute(); });  // nothing from where the user stands
   return places;
 }
 
@@ -33,17 +38,24 @@ std::filesystem::path find_beside(const char* name, const std::filesystem::path&
   return {};
 }
 
+std::filesystem::path find_program(const char* name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream parts(path ? path : "");
+  for (std::string part; std::getline(parts, part, ':');) {
+    const std::filesystem::path place = std::filesystem::path(part) / name;
+    if (place.is_absolute() && access(place.c_str(), X_OK) == 0) return place;
+  }
+  return {};
+}
+
 LoadedModule load_module(const char* name, const std::filesystem::path& folder,
                          std::initializer_list<const char*> functions) {
-  std::vector<std::filesystem::path> places = places_beside(name, folder);
-  places.insert(places.begin(), name);
-  LoadedModule found;
-  for (const auto& place : places) {
+  LoadedModule found{.reason = std::string(name) + " is not beside the program"};
+  for (const auto& place : places_beside(name, folder)) {
+    if (std::error_code none; !std::filesystem::exists(place, none)) continue;
     void* handle = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!handle) {
-      // Of three reasons the one that is not "no such file" says most.
-      const std::string why = dlerror();
-      if (found.reason.empty() || why.find("cannot open shared object file") == std::string::npos) found.reason = why;
+      found.reason = dlerror();
       continue;
     }
     if (std::all_of(functions.begin(), functions.end(), [&](const char* f) { return dlsym(handle, f); })) {

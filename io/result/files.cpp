@@ -28,10 +28,26 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 }  // namespace
 
+namespace {
+
+Error cannot_write(const std::filesystem::path& path, int problem) {
+  if (problem == ENOTDIR)
+    return Error(Fault::Files, fmt::format("cannot write '{}': what its folder is called is a link or no folder; take "
+                                           "it away, or choose another folder",
+                                           path.string()));
+  return Error(Fault::Files, fmt::format("cannot write '{}': {}; choose a folder that exists and may be written to",
+                                         path.string(), std::strerror(problem)));
+}
+
+}  // namespace
+
 void write_file(const std::filesystem::path& path, std::string_view bytes, Flush flush) {
-  if (const int problem = write_whole_file(path, bytes, flush))
-    throw Error(Fault::Files, fmt::format("cannot write '{}': {}; choose a folder that exists and may be written to",
-                                          path.string(), std::strerror(problem)));
+  if (const int problem = write_whole_file(path, bytes, flush)) throw cannot_write(path, problem);
+}
+
+void write_file(const std::filesystem::path& folder, const std::filesystem::path& name, std::string_view bytes) {
+  if (const int problem = write_whole_file(folder, name, bytes, Flush::Buffers))
+    throw cannot_write(folder / name, problem);
 }
 
 std::string read_file(const std::filesystem::path& path) {

@@ -59,16 +59,24 @@ std::optional<FileCall> call_of(pid_t child, const user_regs_struct& r, const st
     const std::string path = inside(path_of(child, file), folder);
     return path.empty() || !path.starts_with("out") ? std::nullopt : std::optional(FileCall{name, path});
   };
-  const auto of_path = [&](const char* name, unsigned long long address) -> std::optional<FileCall> {
-    const std::string path = inside(text_at(child, address), folder);
+  const auto of_text = [&](const char* name, const std::string& text) -> std::optional<FileCall> {
+    const std::string path = inside(text, folder);
     return path.empty() || !(path.starts_with("out") || path == "case.toml") ? std::nullopt
                                                                              : std::optional(FileCall{name, path});
+  };
+  const auto of_path = [&](const char* name, unsigned long long address) {
+    return of_text(name, text_at(child, address));
+  };
+  const auto of_name = [&](const char* name, unsigned long long beside, unsigned long long address) {
+    const std::string text = text_at(child, address);
+    const bool in_folder = static_cast<int>(beside) != AT_FDCWD && !text.starts_with('/');
+    return of_text(name, in_folder ? path_of(child, beside) + "/" + text : text);
   };
   switch (r.orig_rax) {
     case SYS_open:
       return of_path("open", r.rdi);
     case SYS_openat:
-      return of_path("open", r.rsi);
+      return of_name("open", r.rdi, r.rsi);
     case SYS_write:
       return of_file("write", r.rdi);
     case SYS_writev:
@@ -88,17 +96,17 @@ std::optional<FileCall> call_of(pid_t child, const user_regs_struct& r, const st
     case SYS_rename:
       return of_path("rename", r.rdi);
     case SYS_renameat:
-      return of_path("rename", r.rsi);
+      return of_name("rename", r.rdi, r.rsi);
     case SYS_renameat2:
-      return of_path("rename", r.rsi);
+      return of_name("rename", r.rdi, r.rsi);
     case SYS_mkdir:
       return of_path("mkdir", r.rdi);
     case SYS_mkdirat:
-      return of_path("mkdir", r.rsi);
+      return of_name("mkdir", r.rdi, r.rsi);
     case SYS_unlink:
       return of_path("unlink", r.rdi);
     case SYS_unlinkat:
-      return of_path("unlink", r.rsi);
+      return of_name("unlink", r.rdi, r.rsi);
     default:
       return {};
   }

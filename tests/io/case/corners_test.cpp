@@ -78,16 +78,16 @@ TEST(Kept, FilesThatAreNotReadAsCases) {
   EXPECT_EQ(kept.text.find("title = \"my case\"\n"), 0u) << kept.text;
   for (const char* line :
        {"young = 2.5\n", "day = 2020-02-29\n", "at = 07:32:00\n", "no_key = true\n", "tag = \"a\\u0001b\\\\c\"\n",
-        "name = \"p \\\"q\\\" \\\\\\\\ r\"\n", "file = \"input/p.csv\"\n"})
+        "name = \"p \\\"q\\\" \\\\\\\\ r\"\n", "file = \"input/1_p.csv\"\n"})
     EXPECT_NE(kept.text.find(line), std::string::npos) << line << kept.text;
   ASSERT_EQ(kept.files.size(), 1u);
-  EXPECT_EQ(kept.files[0].first, "input/p.csv");
+  EXPECT_EQ(kept.files[0].first, "input/1_p.csv");
   EXPECT_EQ(kept.files[0].second, "x,y\n0.5,0.25\n");
   // Read again it is the same.
   const auto again = folder.write("again.toml", kept.text);
   folder.write("input_p", "");
   std::filesystem::create_directory(folder.path / "input");
-  std::filesystem::copy_file(folder.path / "p.csv", folder.path / "input" / "p.csv");
+  std::filesystem::copy_file(folder.path / "p.csv", folder.path / "input" / "1_p.csv");
   std::string twice = keep_file(again, {}).text;
   const std::size_t at = twice.find("input/input/");
   if (at != std::string::npos) twice.replace(at, 12, "input/");
@@ -110,11 +110,28 @@ TEST(Kept, DesignsAndFilesOfOneName) {
   const KeptCase kept = keep_file(path, {});
   std::map<std::string, std::string> files(kept.files.begin(), kept.files.end());
   ASSERT_EQ(files.size(), 3u);
-  EXPECT_EQ(files["input/p.csv"], "x,y\n0.5,0.25\n");
-  EXPECT_EQ(files["input/2_p.csv"], "x,y\n1.5,0.75\n");
-  EXPECT_NE(files["input/design.toml"].find("outline = "), std::string::npos);
-  EXPECT_EQ(files["input/design.toml"].find("[mesh]"), std::string::npos);
-  EXPECT_EQ(files["input/design.toml"].find("title"), std::string::npos);
+  EXPECT_EQ(files["input/2_p.csv"], "x,y\n0.5,0.25\n");
+  EXPECT_EQ(files["input/3_p.csv"], "x,y\n1.5,0.75\n");
+  EXPECT_NE(files["input/1_design.toml"].find("outline = "), std::string::npos);
+  EXPECT_EQ(files["input/1_design.toml"].find("[mesh]"), std::string::npos);
+  EXPECT_EQ(files["input/1_design.toml"].find("title"), std::string::npos);
+}
+
+/// Names that a shell, a folder or a login would take for something else stay behind; the end says what kind it is.
+TEST(Kept, FilesHaveNamesOfKerfsOwn) {
+  const TemporaryFolder folder;
+  for (const auto& [name, copy] : {std::pair<std::string, std::string>{".bashrc", "1_.bashrc"},
+                                   {"$(touch x).csv", "1___touch_x_.csv"},
+                                   {"-rf", "1_-rf"},
+                                   {"a;b|c`d`.csv", "1_a_b_c_d_.csv"},
+                                   {"3_p.csv", "1_p.csv"},
+                                   {std::string(200, 'a') + ".csv", "1_" + std::string(56, 'a') + ".csv"}}) {
+    folder.write(name, "x,y\n0.5,0.25\n");
+    const KeptCase kept = keep_file(folder.write("a.toml", "[[probe]]\nname = 'p'\nfile = '" + name + "'\n"), {});
+    ASSERT_EQ(kept.files.size(), 1u);
+    EXPECT_EQ(kept.files[0].first, "input/" + copy);
+    EXPECT_NE(kept.text.find("\"input/" + copy + "\""), std::string::npos) << kept.text;
+  }
 }
 
 }  // namespace
