@@ -11,7 +11,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
+#include <sstream>
 
 namespace kerf {
 
@@ -90,6 +93,37 @@ void read_mesh(const Value& document, Case& c) {
   }
 }
 
+/// Of PETSc's options those of solvers, with plain values: others name files, sockets, libraries.
+void require_plain_options(const Value& blamed, const std::string& options) {
+  constexpr std::array<std::string_view, 8> beginnings{
+      "ksp_", "pc_", "sub_ksp_", "sub_pc_", "mg_levels_", "mg_coarse_", "mat_mumps_icntl_", "mat_mumps_cntl_"};
+  constexpr std::array<std::string_view, 2> alone{"log_view", "options_left"};
+  const auto refuse = [&](const std::string& word) {
+    fail(blamed.node->position,
+         fmt::format("{}: \"{}\" is no option that a case may give; they are -ksp_*, -pc_*, -sub_*, -mg_levels_*, "
+                     "-mg_coarse_*, -mat_mumps_icntl_* and -mat_mumps_cntl_* with numbers and names, and -log_view, "
+                     "-options_left; what views or monitors takes no value",
+                     blamed.name, word));
+  };
+  bool takes_value = false;
+  std::istringstream words(options);
+  for (std::string word; words >> word;) {
+    const bool is_name = word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
+    const std::string_view name = std::string_view(word).substr(is_name ? 1 : 0);
+    const bool plain = std::ranges::all_of(name, [&](unsigned char c) {
+      return std::isalnum(c) || c == '_' || (!is_name && (c == '.' || c == '+' || c == '-'));
+    });
+    if (!plain || (!is_name && !takes_value)) refuse(word);
+    if (!is_name) {
+      takes_value = false;
+      continue;
+    }
+    const bool own = std::ranges::find(alone, name) != alone.end();
+    if (!own && std::ranges::none_of(beginnings, [&](std::string_view b) { return name.starts_with(b); })) refuse(word);
+    takes_value = !own && name.find("view") == name.npos && name.find("monitor") == name.npos;
+  }
+}
+
 void read_solver(const Value& document, Case& c) {
   const auto solver = find_table(document, "solver");
   if (!solver) return;
@@ -107,6 +141,7 @@ void read_solver(const Value& document, Case& c) {
   if (const auto options = find(*solver, "petsc")) {
     c.petsc = text(*options);
     if (c.backend != Backend::Petsc) fail(options->node->position, options->name + " goes with backend = \"petsc\"");
+    require_plain_options(*options, c.petsc);
   }
 }
 

@@ -5,6 +5,7 @@
 #include "io/case/named_files.hpp"
 #include "io/case/write.hpp"
 #include "io/design.hpp"
+#include "io/text.hpp"
 
 #include <fmt/format.h>
 
@@ -271,8 +272,8 @@ std::vector<std::string> limits(const Case& c, const DesignFile& design) {
 std::string design_case(const Case& c, const DesignFile& design, const std::filesystem::path& folder) {
   const Shape shape = circular(design.shape, 1e-4 * extent(design.shape));
   std::string out;
-  for (const std::string& line : design.comments) out += fmt::format("# {}\n", line);
-  for (const std::string& line : limits(c, design)) out += fmt::format("# {}\n", line);
+  for (const std::string& line : design.comments) out += fmt::format("# {}\n", clean_text(line));
+  for (const std::string& line : limits(c, design)) out += fmt::format("# {}\n", clean_text(line));
   out += fmt::format("title = {}\n", quoted(c.title + " (design)"));
   out += "\n";
   add_domain(shape, out);

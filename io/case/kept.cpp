@@ -4,6 +4,7 @@
 #include "io/case/write.hpp"
 #include "io/document.hpp"
 #include "io/files.hpp"
+#include "io/text.hpp"
 
 #include <fmt/format.h>
 
@@ -73,7 +74,7 @@ KeptCase keep_document(Node document, const fs::path& folder, const std::string&
   KeptCase out;
   Copies(out).take(document, folder, "input/");
   if (has_functions(document)) out.text += "# Not all of it: functions stand here as their names\n";
-  for (const std::string& line : head) out.text += fmt::format("# {}\n", line);
+  for (const std::string& line : head) out.text += fmt::format("# {}\n", clean_text(line));
   out.text += fmt::format("title = {}\n", quoted(title));
   std::erase_if(document.entries, [](const Entry& e) { return e.key == "title"; });
   add_entries(document.entries, out.text);

@@ -433,8 +433,11 @@ constexpr Key rows[] = {
     {"solver.petsc",
      Text,
      {},
-     "With backend = \"petsc\": options of PETSc, as on a command line, whose BDDC then solves in place of kerf's own. "
-     "What PETSc has no use for is an error.",
+     "With backend = \"petsc\": options of PETSc's solvers, as on a command line, whose BDDC then solves in place of "
+     "kerf's "
+     "own: -ksp_*, -pc_*, -sub_*, -mg_levels_*, -mg_coarse_*, -mat_mumps_icntl_*, -mat_mumps_cntl_* with numbers and "
+     "names, "
+     "-log_view, -options_left. What PETSc has no use for is an error.",
      "\"-ksp_rtol 1e-12 -ksp_monitor\"",
      "kerf's own BDDC, conjugate gradients to 1e-10 of the energy"},
 

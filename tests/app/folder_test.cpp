@@ -132,6 +132,20 @@ TEST_F(ResultFolder, ResultsAndUnfinishedOptimizationsAskForForce) {
   EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 0) << read("said");
 }
 
+// Titles and overrides stand in comments of what is written: they end no line of it.
+TEST_F(ResultFolder, TitlesWriteNoLines) {
+  write("a.toml",
+        "title = \"x\\n[material]\\nyoung = 7\\r[evil]\\u0001\\u2028\"\n" + square +
+            "[optimize]\nvolume = { at_most = 0.5 }\nmax_iterations = 1\n[functional]\nkind = \"compliance\"\n");
+  ASSERT_EQ(kerf("optimize a.toml -o out --quiet --set \"solver.degree=1\n#\n\""), 0) << read("said");
+  for (const char* name : {"out/design.toml", "out/case.toml"}) {
+    std::ifstream in(folder / name);
+    std::string line;
+    while (std::getline(in, line) && !line.starts_with("title = ")) EXPECT_TRUE(line.starts_with('#')) << line;
+    EXPECT_EQ(kerf(std::string("check ") + name), 0) << read("said");
+  }
+}
+
 // Started as a scheduler would, with the program of this build in front of the PATH.
 TEST_F(ResultFolder, ScriptsOfSweepsRunNoNames) {
   for (const std::string name : {"$(touch PWNED)", "a'b; touch PWNED #", "`touch PWNED`", "two words"}) {

@@ -60,6 +60,19 @@ TEST(Corners, TooMuch) {
 }
 
 TEST(Corners, OptionsOfPetsc) {
+  // Files, sockets and libraries stay out: of a solver's options a case may give those with plain values.
+  const auto options = [&](const std::string& words) {
+    return square + "[solver]\nbackend = 'petsc'\npetsc = '" + words + "'\n";
+  };
+  for (const char* words :
+       {"-ksp_type gmres -ksp_rtol 1e-8", "-pc_type lu -pc_factor_mat_solver_type mumps",
+        "-mat_mumps_icntl_14 30 -log_view", "-ksp_view -ksp_monitor -options_left", "-ksp_rtol -1", ""})
+    EXPECT_EQ(read(options(words)).petsc, words);
+  for (const char* words :
+       {"-ksp_view_mat binary:f", "-ksp_view_mat binary", "-ksp_monitor ascii:f", "-options_file f", "-log_view :f",
+        "-dll_append f", "-pc_type /tmp/x", "-ksp_type a:b", "plain", "-ksp_rtol 1 2", "-info", "-viewer_socket_port 1",
+        "-mat_mumps_ooc_tmpdir x", "-ksp_type ../x", "-log_view x", "-ksp_$(x)"})
+    EXPECT_NE(error(options(words)).find("is no option that a case may give"), std::string::npos) << words;
   EXPECT_EQ(read(square + "[solver]\nbackend = 'petsc'\npetsc = '-ksp_monitor'\n").petsc, "-ksp_monitor");
   EXPECT_NE(
       error(square + "[solver]\npetsc = '-ksp_monitor'\n").find("petsc in [solver] goes with backend = \"petsc\""),
