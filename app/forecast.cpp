@@ -26,6 +26,14 @@ struct Scratch {
     std::string name = (fs::temp_directory_path() / "kerf-forecast-XXXXXX").string();
     if (!mkdtemp(name.data())) throw Error(Fault::Files, "cannot make a folder for a trial in " + name);
     path = name;
+    // Limits end a run at once.
+    static fs::path doomed;
+    static const bool registered = std::at_quick_exit([] {
+                                     std::error_code ignored;
+                                     if (!doomed.empty()) fs::remove_all(doomed, ignored);
+                                   }) == 0;
+    (void)registered;
+    doomed = path;
   }
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;

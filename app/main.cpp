@@ -78,6 +78,11 @@ const std::vector<Command>& commands() {
   return all;
 }
 
+void declare_limits(CommandOptions& sub, Arguments& arguments, const char* memory, const char* seconds) {
+  sub.words("--max-memory", arguments.max_memory, memory);
+  sub.number("--max-seconds", arguments.max_seconds, seconds, {1e-3, 1e9});
+}
+
 void declare_sweep(CommandOptions& sub, Arguments& arguments) {
   sub.several("--over", arguments.over, "A key and its values: 'mesh.size=[0.1, 0.05]' (may be repeated)",
               "KEY=[VALUES]", true);
@@ -85,11 +90,13 @@ void declare_sweep(CommandOptions& sub, Arguments& arguments) {
   sub.number("--threads", arguments.threads_of_run, "Number of threads of each run; default 1", {1, 256});
   sub.one_of("--write", arguments.write, "Write a script that makes the runs elsewhere, and run nothing",
              {"snakemake", "slurm"});
+  declare_limits(sub, arguments, "Of each run, as 800MB or 12GB", "Of each run");
   sub.flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
   sub.flag("--quiet", arguments.quiet, "No summary and no progress");
 }
 
 void declare(CommandLine& line, Arguments& arguments) {
+  constexpr const char *end_memory = "End what needs more, as 800MB or 12GB", *end_seconds = "End what takes longer";
   line.version(version_text);
   for (const Command& command : commands()) {
     CommandOptions sub = line.command(command.name, command.description,
@@ -112,6 +119,7 @@ void declare(CommandLine& line, Arguments& arguments) {
     if (command.name == "report") {
       sub.words("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>", true);
       sub.flag("--quiet", arguments.quiet, "Do not say what was written");
+      declare_limits(sub, arguments, end_memory, end_seconds);
       continue;
     }
     if (command.name == "bench") continue;  // a program of its own, which reads its arguments itself
@@ -137,11 +145,14 @@ void declare(CommandLine& line, Arguments& arguments) {
     sub.flag("--quiet", arguments.quiet, "No summary and no progress");
     sub.one_of("--log-level", arguments.log_level, "How much to log on stderr; default info", log_levels());
     sub.flag("--force", arguments.force, "Overwrite results");
-    if (command.name == "check") continue;
+    if (command.name == "check" || command.name == "mesh") {
+      declare_limits(sub, arguments, end_memory, end_seconds);
+      continue;
+    }
     sub.flag("--dry-run", arguments.dry_run, "Say what it will take (triangles, memory, seconds); run nothing");
-    sub.words("--max-memory", arguments.max_memory,
-              "Refuse what would need more, as 800MB or 12GB, and end what does; default what there is");
-    sub.number("--max-seconds", arguments.max_seconds, "Refuse what would take longer, and end what does", {1e-3, 1e9});
+    declare_limits(sub, arguments,
+                   "Refuse what would need more, as 800MB or 12GB, and end what does; default what there is",
+                   "Refuse what would take longer, and end what does");
   }
 }
 
@@ -156,6 +167,14 @@ std::optional<double> memory_limit(const std::string& text) {
     throw Error(Fault::Usage,
                 fmt::format("--max-memory {}: write a number with its unit, such as 800MB or 12GB", quote(text)));
   return number * factor;
+}
+
+/// For the command line of another kerf.
+std::vector<std::string> limits_as_given(const Arguments& arguments) {
+  std::vector<std::string> words;
+  if (!arguments.max_memory.empty()) words.insert(words.end(), {"--max-memory", arguments.max_memory});
+  if (arguments.max_seconds > 0) words.insert(words.end(), {"--max-seconds", fmt::format("{}", arguments.max_seconds)});
+  return words;
 }
 
 Allowed limits_of(const Arguments& arguments) {
@@ -186,11 +205,12 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-/// kerf-bench beside this program in place of this process: same exit code. Returns only by throwing.
+/// kerf-bench beside this program, or else on the PATH, in place of this process: same exit code. Returns only by
+/// throwing.
 [[noreturn]] void start_bench(char** arguments) {
-  const std::filesystem::path bench = find_beside("kerf-bench");
-  if (!bench.empty()) execv(bench.c_str(), arguments);
-  throw Error(Fault::Files, "the benches are not installed: there is no program kerf-bench beside kerf");
+  for (const std::filesystem::path& bench : {find_beside("kerf-bench"), find_program("kerf-bench")})
+    if (!bench.empty()) execv(bench.c_str(), arguments);
+  throw Error(Fault::Files, "the benches are not installed: there is no program kerf-bench beside kerf or on the PATH");
 }
 
 int perform_init(const Arguments& arguments) {
@@ -252,9 +272,9 @@ std::optional<Forecast> foretell(const Case& c, Job job, const Arguments& argume
 }
 
 int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
-  watchdog.pause();
+  watchdog.allow_forecast();
   const std::optional<Forecast> expected = foretell(c, job, arguments);
-  watchdog.resume();
+  watchdog.end_forecast();
   Progress progress(log_level(arguments.log_level, arguments.quiet));
   if (expected && !expected->at_most) progress.expect(expected->seconds);
   options.threads = arguments.threads;
@@ -298,8 +318,10 @@ int perform_sweep(const Arguments& arguments) {
   lock.take(plan.folder);
   catch_signals();
   if (!arguments.collect)
-    run_sweep(plan,
-              {arguments.jobs > 0 ? arguments.jobs : arguments.threads, arguments.threads_of_run, arguments.quiet});
+    run_sweep(plan, {.jobs = arguments.jobs > 0 ? arguments.jobs : arguments.threads,
+                     .threads = arguments.threads_of_run,
+                     .quiet = arguments.quiet,
+                     .limits = limits_as_given(arguments)});
   const SweepSummary done = collect_sweep(plan);
   if (!arguments.quiet) print(in_words(done, plan));
   if (stop_requested()) throw Error(Fault::Numerics, "stopped; the same command goes on with what is left");
@@ -317,7 +339,10 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
   }
   if (arguments.command == "sweep" && started_processes() > 1)
     throw Error(Fault::Usage, "kerf sweep starts its runs itself; start it without mpiexec");
-  if (arguments.command == "sweep") return perform_sweep(arguments);
+  if (arguments.command == "sweep") {
+    limits_of(arguments);  // what they mean is said before anything is made
+    return perform_sweep(arguments);
+  }
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (arguments.command == "mesh") return perform_mesh(arguments, c);
   RunOptions options;
@@ -338,7 +363,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
                   : arguments.command == "optimize" ? Job::Optimize
                                                     : Job::Run;
   if (arguments.dry_run) {
-    watchdog.pause();
+    watchdog.allow_forecast();
     catch_signals();
     const Forecast f = *foretell(c, job, arguments);
     print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
@@ -357,7 +382,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
 
 /// Reading counts, too: gmsh may take long for a geometry.
 int perform(const Arguments& arguments, Processes& processes) {
-  Watchdog watchdog(limits_of(arguments));
+  Watchdog watchdog(arguments.command == "sweep" ? Allowed{} : limits_of(arguments));
   try {
     return perform_command(arguments, watchdog, processes);
   } catch (const Error&) {

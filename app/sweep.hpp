@@ -64,6 +64,7 @@ std::string in_words(const SweepSummary& summary, const SweepPlan& plan);
 struct SweepHow {
   int jobs = 1, threads = 1;
   bool quiet = false;
+  std::vector<std::string> limits = {};  // of each run, as words of its command line
 };
 void run_sweep(const SweepPlan& plan, const SweepHow& how);
 

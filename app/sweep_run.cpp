@@ -101,7 +101,9 @@ void run_sweep(const SweepPlan& plan, const SweepHow& how) {
   while (next < todo.size() || !going.empty()) {
     while (next < todo.size() && going.size() < static_cast<std::size_t>(how.jobs) && !stop_requested()) {
       const SweepRun& run = *todo[next++];
-      going[start(arguments_of(plan, run, how.threads), plan.folder, run.name)] = &run;
+      std::vector<std::string> words = arguments_of(plan, run, how.threads);
+      words.insert(words.end(), how.limits.begin(), how.limits.end());
+      going[start(words, plan.folder, run.name)] = &run;
     }
     if (going.empty()) break;
     int status = 0;

@@ -10,6 +10,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <thread>
@@ -18,11 +20,22 @@ namespace kerf {
 
 namespace {
 
-double resident_mb() {
-  std::ifstream statm("/proc/self/statm");
+double resident_mb(const std::string& process) {
+  std::ifstream statm("/proc/" + process + "/statm");
   double all = 0, resident = 0;
   statm >> all >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+/// Of this process and its children: gmsh, the runs of a sweep.
+double resident_mb() {
+  double sum = resident_mb("self");
+  std::error_code none;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", none)) {
+    std::ifstream children(thread.path() / "children");
+    for (std::string child; children >> child;) sum += resident_mb(child);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -30,17 +43,18 @@ double resident_mb() {
 struct Watchdog::Impl {
   Allowed limits;
   Stopwatch since_look;
-  double elapsed = 0;  // but for the pauses
+  double elapsed = 0;
   mutable std::mutex mutex;
   std::condition_variable ended;
-  bool over = false, paused = false;
+  bool over = false, forecasts = false;
   std::optional<std::string> why;
   std::thread thread;
 
   std::optional<std::string> beyond(double seconds, double mb) const {
     if (limits.seconds && seconds > *limits.seconds)
       return fmt::format("stopped: it took longer than --max-seconds {:g}", *limits.seconds);
-    if (limits.memory_mb && mb > *limits.memory_mb)
+    constexpr double of_forecast = 150;
+    if (limits.memory_mb && mb > *limits.memory_mb + (forecasts ? of_forecast : 0))
       return fmt::format("stopped: it took more memory than --max-memory {:g}MB", *limits.memory_mb);
     return std::nullopt;
   }
@@ -50,7 +64,6 @@ struct Watchdog::Impl {
     double asked = infinity;
     for (std::unique_lock lock(mutex); !over; ended.wait_for(lock, std::chrono::milliseconds(50))) {
       const double seconds = since_look.lap(), mb = resident_mb();
-      if (paused) continue;
       elapsed += seconds;
       if (!why) {
         why = beyond(elapsed, mb);
@@ -58,11 +71,11 @@ struct Watchdog::Impl {
         asked = elapsed;
         request_stop();
       }
-      const bool swells = limits.memory_mb && mb > much * *limits.memory_mb;
+      const bool swells = !forecasts && limits.memory_mb && mb > much * *limits.memory_mb;
       if (elapsed - asked < patience && !swells) continue;
       std::fprintf(stderr, "kerf: %s\n", why->c_str());
       std::fflush(stderr);
-      _exit(static_cast<int>(Fault::Numerics));
+      std::quick_exit(static_cast<int>(Fault::Numerics));
     }
   }
 };
@@ -84,16 +97,16 @@ Watchdog::~Watchdog() {
   impl_->thread.join();
 }
 
-void Watchdog::pause() {
+void Watchdog::allow_forecast() {
   if (!impl_) return;
   const std::scoped_lock lock(impl_->mutex);
-  impl_->paused = true;
+  impl_->forecasts = true;
 }
 
-void Watchdog::resume() {
+void Watchdog::end_forecast() {
   if (!impl_) return;
   const std::scoped_lock lock(impl_->mutex);
-  impl_->paused = false;
+  impl_->forecasts = false;
 }
 
 std::optional<std::string> Watchdog::why() const {

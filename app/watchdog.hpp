@@ -11,18 +11,18 @@
 namespace kerf {
 
 /// Looks twenty times a second. What goes beyond a limit is asked to stop (kerf/stop.hpp); what does not stop within
-/// ten seconds, or takes half as much memory again, is ended with exit code 4 and one sentence. Without limits it does
-/// nothing. The resident memory of this process counts; not that of gmsh, which is another one and has limits of its
-/// own (io/mesh/gmsh.cpp).
+/// ten seconds, or takes half as much memory again, is ended with exit code 4 and one sentence; files that wait for
+/// quick_exit go. Without limits it does nothing. The resident memory of this process counts, and that of its children.
 class Watchdog {
  public:
   explicit Watchdog(const Allowed& limits);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
-  /// It looks away from the forecast, which is small and refuses in words of its own.
-  void pause();
-  void resume();
+  /// A forecast refuses in words of its own, for which it may take a little more memory than there is to be; its time
+  /// counts.
+  void allow_forecast();
+  void end_forecast();
   /// Why it asked the run to stop, if it did.
   std::optional<std::string> why() const;
 

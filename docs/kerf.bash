@@ -18,12 +18,12 @@ _kerf() {
     run) options="--help --output --set --resume --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     solve) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     map) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    check) options="--help --output --set --threads --quiet --log-level --force" ;;
+    check) options="--help --output --set --threads --quiet --log-level --force --max-memory --max-seconds" ;;
     validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    sweep) options="--help --output --set --over --jobs --threads --write --collect --quiet" ;;
-    report) options="--help --quiet" ;;
-    mesh) options="--help --output --format --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --collect --quiet" ;;
+    report) options="--help --quiet --max-memory --max-seconds" ;;
+    mesh) options="--help --output --format --set --threads --quiet --log-level --force --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
     bench) options="--help" ;;

@@ -6,10 +6,12 @@
 #include "io/mesh/confine.hpp"
 #include "io/mesh/gmsh_module.hpp"
 #include "io/module.hpp"
+#include "kerf/stop.hpp"
 
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,6 +23,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -70,6 +73,10 @@ extern "C" void remove_and_end(int signal) {
   raise(signal);
 }
 
+extern "C" void remove_at_once() {
+  if (doomed[0] != '\0') unlink(doomed);
+}
+
 void stop_removing() {
   for (const int signal : ending) {
     struct sigaction now = {};
@@ -92,6 +99,8 @@ class TemporaryFile {
     close(file);
     if (doomed[0] != '\0' || name_.size() >= sizeof doomed) return;
     std::strcpy(doomed, name_.c_str());
+    static const bool registered = std::at_quick_exit(remove_at_once) == 0;  // as limits end a run
+    (void)registered;
     for (const int signal : ending) {
       struct sigaction now = {};
       if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) std::signal(signal, remove_and_end);
@@ -236,8 +245,18 @@ Told in_child(unsigned minutes, const std::function<bool(Teller& teller)>& work)
   close(ends[1]);
   std::string bytes;
   char block[1 << 16];
-  for (ssize_t n; (n = read(ends[0], block, sizeof block)) != 0;) {
-    if (n < 0 && errno != EINTR) break;
+  constexpr int look = 100;  // milliseconds
+  for (pollfd there{ends[0], POLLIN, 0};;) {
+    if (stop_requested()) {
+      kill(child, SIGKILL);
+      waitpid(child, nullptr, 0);
+      close(ends[0]);
+      throw Stopped{};
+    }
+    const int ready = poll(&there, 1, look);
+    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
+    const ssize_t n = read(ends[0], block, sizeof block);
+    if (n == 0 || (n < 0 && errno != EINTR)) break;
     if (n > 0) bytes.append(block, std::size_t(n));
   }
   close(ends[0]);

@@ -7,13 +7,14 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <optional>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <vector>
 
 namespace kerf::watchdog_test {
 namespace {
-
-using std::chrono::milliseconds;
 
 class WatchdogTest : public testing::Test {
  protected:
@@ -28,27 +29,27 @@ TEST_F(WatchdogTest, AsksWhatTakesTooLongToStopAndSaysWhy) {
   EXPECT_EQ(dog.why(), "stopped: it took longer than --max-seconds 0.1");
 }
 
-// Another one, which looks as often, says when the time is over.
-TEST_F(WatchdogTest, LooksAwayWhilePaused) {
-  std::optional<Watchdog> paused;
-  std::chrono::steady_clock::time_point begin;
-  do {  // until the pause comes before its time is over
-    paused.reset();
-    forget_stop();
-    begin = std::chrono::steady_clock::now();
-    paused.emplace(Allowed{.memory_mb = {}, .seconds = 0.2});
-    paused->pause();
-  } while (std::chrono::steady_clock::now() - begin > milliseconds(100));
-  {
-    const Watchdog awake({.memory_mb = {}, .seconds = 0.5});
-    EXPECT_TRUE(test::eventually(stop_requested));
-    EXPECT_TRUE(awake.why());
-    EXPECT_FALSE(paused->why());
-  }
-  forget_stop();
-  paused->resume();
+TEST_F(WatchdogTest, CountsForecasts) {
+  Watchdog dog({.memory_mb = {}, .seconds = 0.1});
+  dog.allow_forecast();
   EXPECT_TRUE(test::eventually(stop_requested));
-  EXPECT_TRUE(paused->why());
+  EXPECT_TRUE(dog.why());
+}
+
+TEST_F(WatchdogTest, CountsChildren) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(
+      {
+        const pid_t child = fork();
+        if (child == 0) {
+          prctl(PR_SET_PDEATHSIG, SIGKILL);
+          std::vector<char> swollen(400 << 20, 1);
+          pause();
+        }
+        const Watchdog dog({.memory_mb = 250, .seconds = {}});
+        test::eventually([] { return false; });
+      },
+      testing::ExitedWithCode(4), "stopped: it took more memory than --max-memory 250MB");
 }
 
 TEST_F(WatchdogTest, LeavesAloneWhatHasNoLimitOrKeepsIt) {
