@@ -3,13 +3,18 @@
 #include <fcntl.h>
 #include <linux/audit.h>
 #include <linux/filter.h>
+#include <linux/landlock.h>
 #include <linux/seccomp.h>
 #include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdlib>
+#include <filesystem>
 #include <vector>
 
 namespace kerf {
@@ -57,6 +62,14 @@ class Filter {
     add(BPF_RET | BPF_K, refused);
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
   }
+  /// When an argument is this number.
+  void refuse_value(unsigned call, unsigned argument, unsigned value) {
+    compare(call, argument, value, 0, 1);
+  }
+  /// When it is another one.
+  void refuse_but(unsigned call, unsigned argument, unsigned value) {
+    compare(call, argument, value, 1, 0);
+  }
   /// As on systems that do not have the call: callers then take an older one.
   void hide(unsigned call) {
     add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1);
@@ -70,6 +83,13 @@ class Filter {
   }
 
  private:
+  void compare(unsigned call, unsigned argument, unsigned value, unsigned char equal, unsigned char other) {
+    add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
+    load(static_cast<unsigned>(offsetof(seccomp_data, args)) + 8 * argument);
+    add(BPF_JMP | BPF_JEQ | BPF_K, value, equal, other);
+    add(BPF_RET | BPF_K, refused);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+  }
   void load(unsigned offset) {
     add(BPF_LD | BPF_W | BPF_ABS, offset);
   }
@@ -80,9 +100,48 @@ class Filter {
 };
 
 void refuse_programs(Filter& filter) {
-  for (const unsigned call : {__NR_execve, __NR_execveat, __NR_kill, __NR_tkill, __NR_ptrace, __NR_socket,
-                              __NR_process_vm_writev, __NR_io_uring_setup})
+  for (const unsigned call : {__NR_execve,
+                              __NR_execveat,
+                              __NR_kill,
+                              __NR_tkill,
+                              __NR_ptrace,
+                              __NR_socket,
+                              __NR_process_vm_readv,
+                              __NR_process_vm_writev,
+                              __NR_io_uring_setup,
+                              __NR_rt_sigqueueinfo,
+                              __NR_rt_tgsigqueueinfo,
+                              __NR_pidfd_open,
+                              __NR_pidfd_send_signal,
+                              __NR_mount,
+                              __NR_umount2,
+                              __NR_chroot,
+                              __NR_pivot_root,
+                              __NR_unshare,
+                              __NR_setns,
+                              __NR_bpf,
+                              __NR_perf_event_open,
+                              __NR_userfaultfd,
+                              __NR_keyctl,
+                              __NR_add_key,
+                              __NR_request_key,
+                              __NR_init_module,
+                              __NR_finit_module,
+                              __NR_open_by_handle_at,
+                              __NR_setxattr,
+                              __NR_lsetxattr,
+                              __NR_fsetxattr,
+                              __NR_removexattr,
+                              __NR_lremovexattr,
+                              __NR_fremovexattr,
+                              __NR_fchmod,
+                              __NR_fchown,
+                              __NR_acct,
+                              __NR_swapon,
+                              __NR_reboot})
     filter.refuse(call);
+  filter.refuse_but(__NR_tgkill, 0, static_cast<unsigned>(getpid()));  // abort is
+  filter.refuse_value(__NR_ioctl, 1, TIOCSTI);                         // words of a terminal
 #if defined(__x86_64__)
   filter.refuse(__NR_fork);
   filter.refuse(__NR_vfork);
@@ -109,6 +168,38 @@ void refuse_files(Filter& filter) {
 }
 
 }  // namespace
+
+void stand_nowhere() {
+  std::error_code none;
+  const std::string folder = std::filesystem::temp_directory_path(none) / "kerf-XXXXXX";
+  std::vector<char> name(folder.begin(), folder.end());
+  name.push_back('\0');
+  if (mkdtemp(name.data()) && chdir(name.data()) == 0) rmdir(name.data());
+}
+
+bool write_only(const std::string& path) {
+  // What this kernel knows of writing: of version 1 what makes, writes and removes; 2 renames, 3 truncates.
+  const long version = syscall(__NR_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  if (version < 1) return false;
+  constexpr __u64 refer = 1ULL << 13, truncate = 1ULL << 14;
+  const __u64 into_a_file = LANDLOCK_ACCESS_FS_WRITE_FILE | (version >= 3 ? truncate : 0);
+  landlock_ruleset_attr all = {};
+  all.handled_access_fs = into_a_file | LANDLOCK_ACCESS_FS_REMOVE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
+                          LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_MAKE_REG |
+                          LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
+                          LANDLOCK_ACCESS_FS_MAKE_SYM | (version >= 2 ? refer : 0);
+  const int rules = static_cast<int>(syscall(__NR_landlock_create_ruleset, &all, sizeof all.handled_access_fs, 0));
+  const int file = open(path.c_str(), O_PATH | O_CLOEXEC | O_NOFOLLOW);
+  landlock_path_beneath_attr one = {};
+  one.allowed_access = into_a_file;
+  one.parent_fd = file;
+  const bool held = rules >= 0 && file >= 0 &&
+                    syscall(__NR_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &one, 0) == 0 &&
+                    prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && syscall(__NR_landlock_restrict_self, rules, 0) == 0;
+  if (rules >= 0) close(rules);
+  if (file >= 0) close(file);
+  return held;
+}
 
 bool confine(Confined what) {
   Filter filter;

@@ -90,7 +90,8 @@ class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& suffix) {
     std::error_code code;  // a folder that is not there
-    name_ = (std::filesystem::temp_directory_path(code) / ("kerf-XXXXXX" + suffix)).string();
+    const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+    if (!code) name_ = (std::filesystem::absolute(folder) / ("kerf-XXXXXX" + suffix)).string();
     const int file = code ? -1 : mkstemps(name_.data(), int(suffix.size()));
     if (file < 0)
       throw Error(Fault::Files, fmt::format("cannot make a temporary file: {}; set TMPDIR to a folder that exists and "
@@ -215,8 +216,8 @@ Told understand(const std::string& bytes) {
 
 /// `work` in a process of its own: what gmsh and OpenCASCADE print does not mix with what kerf prints, and where they
 /// crash, kerf says so.
-/// `minutes`: how long it may take; `work`: whether it went well.
-Told in_child(unsigned minutes, const std::function<bool(Teller& teller)>& work) {
+/// `minutes`: how long it may take; `file`: the only one that it may write; `work`: whether it went well.
+Told in_child(unsigned minutes, const TemporaryFile& file, const std::function<bool(Teller& teller)>& work) {
   int ends[2];
   if (pipe(ends) != 0) throw Error(Fault::Files, "cannot start gmsh: there are too many open files");
   std::fflush(nullptr);
@@ -236,6 +237,8 @@ Told in_child(unsigned minutes, const std::function<bool(Teller& teller)>& work)
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
     Teller teller(ends[1]);
+    stand_nowhere();
+    write_only(file.name());  // older kernels have the list of calls alone
     if (!confine(Confined::Programs))
       Teller::error(&teller, "this system cannot keep gmsh from starting programs (no seccomp)");
     else if (work(teller))
@@ -279,12 +282,12 @@ bool has_gmsh() {
 RawMesh mesh_geometry(const BodySource& source) {
   const Module& module = needed(source.path);
   read_file(source.path);  // gmsh says nothing of a file that is not there
-  const std::string path = source.path.string();
+  const std::string path = source.path.string(), absolute = std::filesystem::absolute(source.path).string();
   const TemporaryFile file(".msh");
   // Chords that are too long may cross.
   for (const int turn : {12, 48, 192}) {
-    const KerfGmshRequest request{path.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
-    Told told = in_child(source.keep_mesh ? fine_minutes : coarse_minutes,
+    const KerfGmshRequest request{absolute.c_str(), file.name().c_str(), !source.keep_mesh, source.size, turn};
+    Told told = in_child(source.keep_mesh ? fine_minutes : coarse_minutes, file,
                          [&](Teller& teller) { return module.mesh(&request, Teller::curve, Teller::error, &teller); });
     if (told.error.empty()) {
       RawMesh raw = parse_msh(path, read_file(file.name()));
@@ -337,8 +340,9 @@ std::string step_file(const Shape& shape) {
   }
   const KerfGmshFace face{std::int64_t(ends.size()), ends.data(), start.data(), arc.get(), center.data()};
   const TemporaryFile file(".step");
-  const Told told = in_child(
-      coarse_minutes, [&](Teller& teller) { return module.step(file.name().c_str(), &face, Teller::error, &teller); });
+  const Told told = in_child(coarse_minutes, file, [&](Teller& teller) {
+    return module.step(file.name().c_str(), &face, Teller::error, &teller);
+  });
   if (!told.error.empty()) throw Error(Fault::Geometry, fmt::format("no STEP file: gmsh: {}", told.error));
   std::string bytes = read_file(file.name());
   if (bytes.find("END-ISO-10303-21") == std::string::npos)  // gmsh does not look whether all was written

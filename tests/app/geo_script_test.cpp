@@ -60,6 +60,24 @@ png = false
   }
 };
 
+// While it makes the mesh gmsh writes what it did into the folder where one stands, under names that a script knows.
+TEST_F(GeoScript, LeavesNothingOfTheMesher) {
+  for (const char* script :
+       {"Recombine Surface{1}; General.Verbosity = 99;\n", "Mesh.Algorithm = 8; Recombine Surface{1};\n",
+        "Mesh.Algorithm = 9; Recombine Surface{1}; General.Verbosity = 99;\n", "Mesh.SaveParametric = 1;\n"}) {
+    std::ofstream(folder / "kept") << "kept";
+    for (const char* name : {"recombine_0before.msh", "recombine_1raw.msh", "bgm-1.pos", "cross-1.pos"})
+      if (!fs::is_symlink(folder / name)) fs::create_symlink("kept", folder / name);
+    const auto count = [&] { return std::distance(fs::directory_iterator(folder), {}); };
+    check(script);
+    const auto before = count();
+    check(script);
+    EXPECT_EQ(count(), before) << script;
+    EXPECT_EQ(fs::file_size(folder / "kept"), 4u) << script;
+    EXPECT_TRUE(fs::is_empty(folder / "tmp")) << script;
+  }
+}
+
 // Ended while gmsh draws, by a signal that nothing answers before a run has begun.
 TEST_F(GeoScript, LeavesNoFileWhenItIsEnded) {
   for (const char* signal : {"TERM", "INT", "HUP"}) {
