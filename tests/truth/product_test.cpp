@@ -436,7 +436,9 @@ class Product : public Truth {
     const auto extrapolated = [](double large, double small, double by) { return (small - by * large) / (1 - by); };
     const double two = extrapolated(q[1], q[2], square),
                  three = extrapolated(extrapolated(q[0], q[1], square), two, square * square);
-    return {T, three, std::abs(three - two)};
+    // What grows as the radii shrink is no series but what the meshes leave of a change.
+    const double noise = std::abs(q[2] - q[1]) > std::abs(q[1] - q[0]) ? std::abs(q[2] - q[1]) : 0;
+    return {T, three, std::max(std::abs(three - two), noise)};
   }
   // Of a clamped hole (difference) = (prediction) + (b + c ln eps) eps^2 through three radii: what is left at eps = 0
   // in multiples of the difference at the smallest radius.
