@@ -19,6 +19,7 @@
 #include "io/files.hpp"
 #include "io/kept.hpp"
 #include "io/module.hpp"
+#include "io/untrusted.hpp"
 #include "io/words.hpp"
 #include "kerf/stop.hpp"
 
@@ -48,8 +49,9 @@ struct Arguments {
   std::vector<CommandWords> commands;  // and their options
   std::string line;                    // as it was typed
   bool list = false, dry_run = false;
-  std::string max_memory;         // "12GB"
-  double max_seconds = 0;         // 0: any
+  std::string max_memory;  // "12GB"
+  double max_seconds = 0;  // 0: any
+  bool untrusted = false;
   std::vector<std::string> over;  // of sweep
   int jobs = 0;                   // 0: one per core
   int threads_of_run = 1;
@@ -78,6 +80,11 @@ const std::vector<Command>& commands() {
   return all;
 }
 
+void declare_untrusted(CommandOptions& sub, Arguments& arguments) {
+  sub.flag("--untrusted", arguments.untrusted,
+           "The case is a stranger's: files of its own folder alone, no script of gmsh, limits of 600 s and 4 GB");
+}
+
 void declare_limits(CommandOptions& sub, Arguments& arguments, const char* memory, const char* seconds) {
   sub.words("--max-memory", arguments.max_memory, memory);
   sub.number("--max-seconds", arguments.max_seconds, seconds, {1e-3, 1e9});
@@ -91,6 +98,7 @@ void declare_sweep(CommandOptions& sub, Arguments& arguments) {
   sub.one_of("--write", arguments.write, "Write a script that makes the runs elsewhere, and run nothing",
              {"snakemake", "slurm"});
   declare_limits(sub, arguments, "Of each run, as 800MB or 12GB", "Of each run");
+  declare_untrusted(sub, arguments);
   sub.flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
   sub.flag("--quiet", arguments.quiet, "No summary and no progress");
 }
@@ -142,6 +150,7 @@ void declare(CommandLine& line, Arguments& arguments) {
     if (command.name == "run" || command.name == "solve" || command.name == "map" || command.name == "optimize")
       sub.number("--processes", arguments.processes,
                  "Start so many by mpiexec, for solver.backend = \"petsc\" or optimize.starts; default 1", {1, 4096});
+    declare_untrusted(sub, arguments);
     sub.flag("--quiet", arguments.quiet, "No summary and no progress");
     sub.one_of("--log-level", arguments.log_level, "How much to log on stderr; default info", log_levels());
     sub.flag("--force", arguments.force, "Overwrite results");
@@ -174,12 +183,17 @@ std::vector<std::string> limits_as_given(const Arguments& arguments) {
   std::vector<std::string> words;
   if (!arguments.max_memory.empty()) words.insert(words.end(), {"--max-memory", arguments.max_memory});
   if (arguments.max_seconds > 0) words.insert(words.end(), {"--max-seconds", fmt::format("{}", arguments.max_seconds)});
+  if (arguments.untrusted) words.emplace_back("--untrusted");
   return words;
 }
 
 Allowed limits_of(const Arguments& arguments) {
-  return {memory_limit(arguments.max_memory),
-          arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
+  constexpr double strangers_mb = 4000, strangers_seconds = 600;
+  Allowed limits{memory_limit(arguments.max_memory),
+                 arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
+  if (arguments.untrusted && !limits.memory_mb) limits.memory_mb = strangers_mb;
+  if (arguments.untrusted && !limits.seconds) limits.seconds = strangers_seconds;
+  return limits;
 }
 
 std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arguments) {
@@ -337,6 +351,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
     print(keys(arguments.keys, arguments.commands));
     return 0;
   }
+  if (arguments.untrusted) require_own_files(arguments.case_file, arguments.overrides);
   if (arguments.command == "sweep" && started_processes() > 1)
     throw Error(Fault::Usage, "kerf sweep starts its runs itself; start it without mpiexec");
   if (arguments.command == "sweep") {

@@ -195,15 +195,17 @@ void write_sweep_page(const fs::path& path, const SweepTable& table, const fs::p
   const std::string title = escape_html(fmt::format("Sweep of {}", table.title));
   std::string keys;
   for (const std::string& key : table.keys) keys += fmt::format("{}{}", keys.empty() ? "" : ", ", key);
-  write_file(
-      path,
-      fmt::format("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-                  "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
-                  "</head>\n<body>\n<main>\n<h1>{}</h1>\n<p>{} runs over {}: {} ok, {} failed, {} not yet run. "
-                  "All numbers are in <a href=\"sweep.csv\">sweep.csv</a>.</p>\n",
-                  title, style, title, table.rows.size(), escape_html(keys), count("ok"), count("failed"),
-                  count("missing")) +
-          failures(table) + panels(table) + pictures(table, folder) + table_of(table) + "</main>\n</body>\n</html>\n");
+  write_file(path,
+             fmt::format("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv="
+                         "\"Content-Security-Policy\" content=\"script-src 'none'; object-src 'none'; base-uri 'none'; "
+                         "form-action 'none'\">\n<meta name=\"viewport\" "
+                         "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
+                         "</head>\n<body>\n<main>\n<h1>{}</h1>\n<p>{} runs over {}: {} ok, {} failed, {} not yet run. "
+                         "All numbers are in <a href=\"sweep.csv\">sweep.csv</a>.</p>\n",
+                         title, style, title, table.rows.size(), escape_html(keys), count("ok"), count("failed"),
+                         count("missing")) +
+                 failures(table) + panels(table) + pictures(table, folder) + table_of(table) +
+                 "</main>\n</body>\n</html>\n");
 }
 
 }  // namespace kerf

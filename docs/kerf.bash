@@ -15,15 +15,15 @@ _kerf() {
     -o | --output | --peers | --write) COMPREPLY=($(compgen -d -- "$word")) && return ;;
   esac
   case ${COMP_WORDS[1]} in
-    run) options="--help --output --set --resume --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    solve) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    map) options="--help --output --set --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    check) options="--help --output --set --threads --quiet --log-level --force --max-memory --max-seconds" ;;
-    validate) options="--help --output --set --threads --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    optimize) options="--help --output --set --resume --threads --processes --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --collect --quiet" ;;
+    run) options="--help --output --set --resume --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    solve) options="--help --output --set --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    map) options="--help --output --set --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    check) options="--help --output --set --threads --untrusted --quiet --log-level --force --max-memory --max-seconds" ;;
+    validate) options="--help --output --set --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    optimize) options="--help --output --set --resume --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --untrusted --collect --quiet" ;;
     report) options="--help --quiet --max-memory --max-seconds" ;;
-    mesh) options="--help --output --format --set --threads --quiet --log-level --force --max-memory --max-seconds" ;;
+    mesh) options="--help --output --format --set --threads --untrusted --quiet --log-level --force --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
     bench) options="--help" ;;

@@ -77,7 +77,7 @@ class Result:
         if not (self.folder / "report.html").exists():
             return f"<pre>{html.escape(self.summary())}</pre>"
         page = html.escape(self.page(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+        return f'<iframe sandbox="allow-scripts" srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
 
     def triangulation(self, scale=0):
         """For matplotlib: ``plt.tripcolor(r.triangulation(), r.von_mises)``. ``scale`` times the displacement

@@ -46,7 +46,7 @@ class Sweep:
         import html
 
         page = html.escape((self.folder / "sweep.html").read_text(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+        return f'<iframe sandbox="" srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
 
 
 def _number(cell):

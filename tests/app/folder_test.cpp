@@ -171,6 +171,41 @@ SLURM_ARRAY_TASK_ID=2 bash sweep.sbatch
   }
 }
 
+TEST_F(ResultFolder, CasesOfStrangersStayInTheirs) {
+  write("p.csv", "x,y\n0.5,0.5\n");
+  write("case/sub/p.csv", "x,y\n0.5,0.5\n");
+  write("case/a.geo", "Point(1) = {0, 0, 0, 1};\n");
+  fs::create_symlink("../p.csv", folder / "case/link.csv");
+  fs::create_directory_symlink("..", folder / "case/up");
+  const auto probe = [&](const std::string& file) {
+    return square + "[[probe]]\nname = \"p\"\nfile = \"" + file + "\"\n";
+  };
+  write("case/far.toml", probe("../p.csv"));
+  const auto start = [&](const std::string& design) {
+    return square +
+           "[functional]\nkind = \"compliance\"\n[optimize]\nvolume = { at_most = 0.5 }\nstart = { design = \"" +
+           design + "\" }\n";
+  };
+  for (const auto& [text, says] : {std::pair<std::string, std::string>{probe("../p.csv"), "leads out of"},
+                                   {probe((folder / "p.csv").string()), "leads out of"},
+                                   {probe("sub/../../p.csv"), "leads out of"},
+                                   {probe("link.csv"), "is a link"},
+                                   {probe("up/p.csv"), "beneath one"},
+                                   {probe("sub"), "no regular file"},
+                                   {start("far.toml"), "leads out of"},
+                                   {square + "[solver]\nbackend = \"petsc\"\npetsc = \"-ksp_view\"\n", "solver.petsc"},
+                                   {"[domain]\nfile = \"a.geo\"\n", "is a script"},
+                                   {"[domain]\nfile = \"a.GEO\"\n", "is a script"}}) {
+    write("case/a.toml", text);
+    EXPECT_EQ(kerf("solve case/a.toml -o out --force --untrusted"), 2) << text << read("said");
+    EXPECT_NE(read("said").find(says), std::string::npos) << text << read("said");
+    EXPECT_FALSE(fs::exists(folder / "out"));
+  }
+  write("case/a.toml", probe("sub/p.csv"));
+  EXPECT_EQ(kerf("solve case/a.toml -o out --untrusted --quiet"), 0) << read("said");
+  EXPECT_EQ(kerf("check case/a.toml --untrusted --set probe[0].file=../p.csv"), 2) << read("said");
+}
+
 // Neither modules nor libraries come from the folder where the user stands.
 TEST_F(ResultFolder, NoCodeComesFromWhereTheUserStands) {
   for (const char* name : {"kerf_vtk.so", "kerf_gmsh.so", "kerf_petsc.so", "kerf-bench", "libfmt.so.9", "libz.so.1"}) {
