@@ -34,7 +34,7 @@ void add(Snapshots& snapshots, Snapshot snapshot);
 /// At most `most` >= 2 of them, the first and the last among them.
 std::vector<Snapshot> pick(const Snapshots& snapshots, std::size_t most);
 
-/// To a file and back; bit for bit.
+/// To a file and back; bit for bit. Throws Error(Files) where the checkpoint holds something else.
 Checkpoint to_checkpoint(const Snapshots& snapshots, const std::string& fingerprint);
 Snapshots from_checkpoint(const Checkpoint& checkpoint);
 

@@ -107,6 +107,7 @@ class CurvesRun {
   bool leave_room();
   void settle();
   void recall(const CurvesRow& row, Point& x) const;
+  bool replays(const CurvesRow& row, const DesignCurves& d, bool meshed) const;
   CurvesRow row_of(const Point& x) const;
   Linearized linearized(const Point& x) const;
   void weigh(Point& x) const;
@@ -228,6 +229,19 @@ void CurvesRun::recall(const CurvesRow& row, Point& x) const {
   x.by_bound = all.rightCols(row.values.size());
 }
 
+/// Whether the row is one of these curves, with all that an evaluation says. `meshed`: there is a mesh to move.
+bool CurvesRun::replays(const CurvesRow& row, const DesignCurves& d, bool meshed) const {
+  const VectorXd knots = pack(d);
+  if (!std::ranges::equal(row.knots, knots)) return false;
+  if (!row.failure.empty()) return true;
+  if (row.fresh ? row.rebased : !meshed) return false;
+  const auto bounds = Eigen::Index(r_.bounds.size()), values = row.values.size();
+  const auto cases = Eigen::Index(std::max<std::size_t>(1, r_.load_cases.size()));
+  return Eigen::Index(row.bounds.size()) == bounds && values == bounds * cases &&
+         row.gradients.size() == d.variables * (1 + values) && std::isfinite(row.J) && row.values.allFinite() &&
+         row.gradients.allFinite() && std::ranges::all_of(row.bounds, [](double b) { return std::isfinite(b); });
+}
+
 /// On the mesh of `base` moved there, or on a fresh one where that suffers or there is none.
 std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base,
                                          std::string& failure) {
@@ -235,6 +249,10 @@ std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::share
   const auto number = std::size_t(evaluations_++);
   const bool replay = number < known_.size();
   if (replay) {
+    if (!replays(known_[number], d, base != nullptr))
+      throw Error(Fault::Files, fmt::format("evaluation {} of the curves in the checkpoint is not the one that this "
+                                            "run makes (another version or machine?); start without --resume",
+                                            number + 1));
     solves_ = known_[number].state_solves;
     failure = known_[number].failure;
     if (failure.empty()) recall(known_[number], x);

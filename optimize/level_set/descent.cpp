@@ -69,6 +69,11 @@ constexpr const char* no_iterations = "the iterations asked for are done";
 
 }  // namespace
 
+StateSizes sizes_of_state(const Ground& g) {
+  return {g.background.lumped.size(), static_cast<Eigen::Index>(g.r.bounds.size()), largest_step_radius * g.size,
+          largest_turn};
+}
+
 bool out_of_iterations(const DescentState& s) {
   return s.ended.starts_with(no_iterations);
 }

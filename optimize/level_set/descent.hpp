@@ -20,6 +20,9 @@ struct DescentRules {
   std::vector<double> tight;  // share of every bound that this mesh may use
 };
 
+/// What the state of a descent on that ground has to fit.
+StateSizes sizes_of_state(const Ground& g);
+
 /// Whether that is why it ended.
 bool out_of_iterations(const DescentState& s);
 

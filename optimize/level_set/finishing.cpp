@@ -1,5 +1,6 @@
 #include "optimize/level_set/finishing.hpp"
 
+#include "optimize/checkpoint_reader.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/loop/history_text.hpp"
 
@@ -18,13 +19,6 @@ void append(std::vector<double>& all, const Eigen::VectorXd& v) {
   all.push_back(static_cast<double>(v.size()));
   all.insert(all.end(), v.begin(), v.end());
 }
-Eigen::VectorXd taken(const Eigen::VectorXd& all, Eigen::Index& at) {
-  const auto n = static_cast<Eigen::Index>(all[at++]);
-  Eigen::VectorXd v = all.segment(at, n);
-  at += n;
-  return v;
-}
-
 /// Bounds that leave room for what a finer mesh says more than the one of the curves does.
 OptimizeRequest with_room(const Ground& g, const Problem& p, const Carved& carved, const CurvesRequest& how) {
   constexpr double drift = 1.5, least = 2e-3;  // stresses of other designs differ more between meshes
@@ -56,39 +50,30 @@ void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
                                          r.bounds.data(), static_cast<Eigen::Index>(r.bounds.size()))),
                                      r.knots, r.values, r.gradients})
       append(all, v);
-    texts += r.note + '\n' + r.failure + '\n';
+    append_line(texts, r.note);
+    append_line(texts, r.failure);
   }
   c.numbers["curves"] = Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
   c.texts["curves"] = texts;
 }
 
 std::vector<CurvesRow> read_curves(const Checkpoint& c) {
-  const Eigen::VectorXd& all = c.numbers.at("curves");
-  const std::string& texts = c.texts.at("curves");
-  std::size_t from = 0;
-  const auto line = [&] {
-    const std::size_t end = texts.find('\n', from);
-    return texts.substr(std::exchange(from, end + 1), end - from);
-  };
+  NumberReader in(numbers_of(c, "curves"));
+  LineReader texts(text_of(c, "curves"));
   std::vector<CurvesRow> rows;
-  for (Eigen::Index i = 0; i < all.size();) {
+  while (!in.empty()) {
     CurvesRow r;
-    for (double* x : {&r.J, &r.area, &r.area_fraction, &r.violation, &r.residual, &r.price, &r.step}) *x = all[i++];
-    r.triangles = static_cast<Index>(all[i++]);
-    r.holes = static_cast<int>(all[i++]);
-    r.state_solves = static_cast<int>(all[i++]);
-    r.accepted = all[i++] != 0;
-    r.fresh = all[i++] != 0;
-    r.rebased = all[i++] != 0;
-    const Eigen::VectorXd bounds = taken(all, i);
+    for (double* x : {&r.J, &r.area, &r.area_fraction, &r.violation, &r.residual, &r.price, &r.step}) *x = in.any();
+    for (int* n : {&r.triangles, &r.holes, &r.state_solves}) *n = in.count();
+    for (bool* b : {&r.accepted, &r.fresh, &r.rebased}) *b = in.flag();
+    const Eigen::VectorXd bounds = in.take_counted();
     r.bounds.assign(bounds.begin(), bounds.end());
-    r.knots = taken(all, i);
-    r.values = taken(all, i);
-    r.gradients = taken(all, i);
-    r.note = line();
-    r.failure = line();
+    for (Eigen::VectorXd* v : {&r.knots, &r.values, &r.gradients}) *v = in.take_counted();
+    r.note = texts.line();
+    r.failure = texts.line();
     rows.push_back(std::move(r));
   }
+  texts.end();
   return rows;
 }
 

@@ -1,3 +1,4 @@
+#include "optimize/checkpoint_reader.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/end.hpp"
 #include "optimize/level_set/finishing.hpp"
@@ -163,9 +164,16 @@ bool LevelSetRun::restore() {
   if (c->fingerprint != place_.fingerprint)
     throw Error(Fault::Usage, fmt::format("{} belongs to another case: run without --resume, or restore the case file",
                                           place_.path.string()));
-  descent_ = std::make_unique<Descent>(ground_, rules_of(ground_), unpacked(*c));
-  shown_ = descent_->progress().rows.size();
+  DescentState state = unpacked(*c);
+  check_state(state, sizes_of_state(ground_));
   curves_ = read_curves(*c);
+  try {
+    descent_ = std::make_unique<Descent>(ground_, rules_of(ground_), std::move(state));
+  } catch (const Error& error) {  // it was drawn and solved before
+    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    throw broken_checkpoint();
+  }
+  shown_ = descent_->progress().rows.size();
   return true;
 }
 

@@ -1,19 +1,23 @@
 #include "optimize/level_set/progress.hpp"
 
+#include "optimize/checkpoint_reader.hpp"
 #include "optimize/loop/history_text.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace kerf {
 
 namespace {
 
-// Vectors by name; the scalars are the entries of one vector, in this order.
+// Vectors by name; the scalars are the entries of one vector, in this order: whole numbers are counts.
 constexpr std::array<std::pair<const char*, Eigen::VectorXd DescentState::*>, 4> vectors{
     {{"phi", &DescentState::phi},
      {"psi", &DescentState::psi},
      {"weight", &DescentState::weight},
      {"faith", &DescentState::faith}}};
+constexpr double least_faith = 0.1;
 constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> designs{
     {{"best", &DescentState::best}, {"anchor", &DescentState::anchor}}};
 
@@ -37,9 +41,32 @@ Eigen::VectorXd vector_of_tuple(const auto& tuple) {
       },
       tuple);
 }
-void read(const Eigen::VectorXd& v, const auto& tuple) {
-  Eigen::Index i = 0;
-  std::apply([&](auto&... x) { ((x = static_cast<std::remove_reference_t<decltype(x)>>(v[i++])), ...); }, tuple);
+void read(NumberReader& in, double& x) {
+  x = in.any();
+}
+void read(NumberReader& in, int& x) {
+  x = in.count();
+}
+void read(NumberReader& in, bool& x) {
+  x = in.flag();
+}
+void read(NumberReader& in, const auto& tuple) {
+  std::apply([&](auto&... x) { (read(in, x), ...); }, tuple);
+}
+void read_all(const Eigen::VectorXd& v, const auto& tuple) {
+  NumberReader in(v);
+  read(in, tuple);
+  in.end();
+}
+
+bool within(double x, double least, double most) {
+  return x >= least && x <= most;
+}
+/// None, or a function on the vertices that some norm can be told of.
+bool is_function(const Eigen::VectorXd& phi, Eigen::Index vertices) {
+  if (phi.size() == 0) return true;
+  const double squares = phi.squaredNorm();
+  return phi.size() == vertices && std::isfinite(squares) && squares > 0;
 }
 
 template <typename Hole>
@@ -52,21 +79,22 @@ void write_holes(Checkpoint& c, const std::vector<NucleatedHole>& holes) {
   for (const NucleatedHole& h : holes) {
     const Eigen::VectorXd v = vector_of_tuple(scalars_of_hole(h));
     all.insert(all.end(), v.begin(), v.end());
-    c.texts["nucleated"] += h.note + '\n';
+    append_line(c.texts["nucleated"], h.note);
   }
   c.numbers["nucleated"] = Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
 std::vector<NucleatedHole> read_holes(const Checkpoint& c) {
-  if (!c.texts.contains("nucleated")) return {};
+  NumberReader in(numbers_of(c, "nucleated"));
+  LineReader notes(in.empty() && !c.texts.contains("nucleated") ? "" : std::string_view(text_of(c, "nucleated")));
   std::vector<NucleatedHole> holes;
-  const Eigen::VectorXd& all = c.numbers.at("nucleated");
-  for (std::string& note : split_lines(c.texts.at("nucleated"))) {
-    const auto row = static_cast<Eigen::Index>(holes.size());
+  while (!in.empty()) {
     NucleatedHole& h = holes.emplace_back();
-    read(all.segment(8 * row, 8), scalars_of_hole(h));
-    h.note = std::move(note);
+    read(in, scalars_of_hole(h));
+    if (!h.at.allFinite()) throw broken_checkpoint();
+    h.note = notes.line();
   }
+  notes.end();
   return holes;
 }
 
@@ -94,23 +122,51 @@ Checkpoint packed(const DescentState& s) {
 
 DescentState unpacked(const Checkpoint& c) {
   DescentState s;
-  for (const auto& [name, member] : vectors) s.*member = c.numbers.at(name);
+  for (const auto& [name, member] : vectors) s.*member = numbers_of(c, name);
   for (const auto& [key, member] : designs) {
     KeptDesign& d = s.*member;
     const std::string name = key;
-    d.phi = c.numbers.at(name);
-    d.bounds = c.numbers.at(name + "_bounds");
-    read(c.numbers.at(name + "_scalars"), scalars_of(d));
+    d.phi = numbers_of(c, name);
+    d.bounds = numbers_of(c, name + "_bounds");
+    read_all(numbers_of(c, name + "_scalars"), scalars_of(d));
   }
-  const Eigen::VectorXd& track = c.numbers.at("track");
+  const Eigen::VectorXd& track = numbers_of(c, "track");
   s.track.assign(track.begin(), track.end());
-  read(c.numbers.at("scalars"), scalars(s));
-  s.ended = c.texts.at("ended");
-  s.why = c.texts.at("why");
-  s.drawn = split_lines(c.texts.at("drawn"));
+  read_all(numbers_of(c, "scalars"), scalars(s));
+  s.ended = text_of(c, "ended");
+  s.why = text_of(c, "why");
+  s.drawn = split_lines(text_of(c, "drawn"));
   s.rows = read_rows(c);
   s.nucleated = read_holes(c);
   return s;
+}
+
+void check_state(const DescentState& s, const StateSizes& of) {
+  const auto kept = [&](const KeptDesign& d) {
+    const bool none = d.phi.size() == 0;
+    return is_function(d.phi, of.vertices) && d.iteration <= s.iteration && !std::isnan(d.J) &&
+           d.bounds.size() == (none ? 0 : of.bounds) && (none || (std::isfinite(d.J) && d.bounds.allFinite()));
+  };
+  const bool best = s.best.phi.size() > 0, anchor = s.anchor.phi.size() > 0;
+  const bool functions = s.phi.size() > 0 && is_function(s.phi, of.vertices) && is_function(s.psi, of.vertices) &&
+                         kept(s.best) && kept(s.anchor) && (best || !anchor);
+  const bool bounds = s.weight.size() == of.bounds && s.faith.size() == of.bounds && s.weight.allFinite() &&
+                      (s.weight.array() >= 0).all() && (s.faith.array() >= least_faith).all() &&
+                      (s.faith.array() <= 1).all();
+  const auto follows = [](const Iteration& a, const Iteration& b) { return a.number >= b.number; };
+  const bool rows = std::ranges::any_of(s.rows, &Iteration::accepted) && s.rows.back().number <= s.iteration &&
+                    std::ranges::adjacent_find(s.rows, follows) == s.rows.end() &&
+                    std::ranges::all_of(s.rows, [&](const Iteration& r) {
+                      return static_cast<Eigen::Index>(r.bounds.size()) == of.bounds && r.variables.size() == 0;
+                    });
+  const bool next = s.next <= static_cast<int>(Next::Nucleate) &&
+                    (s.next != static_cast<int>(Next::CloseTrial) || anchor) &&
+                    (s.next != static_cast<int>(Next::BackToBest) || best);
+  const bool holes =
+      std::ranges::all_of(s.nucleated, [&](const NucleatedHole& h) { return h.iteration <= s.iteration; });
+  const bool lengths = s.allowed > 0 && within(s.radius, 0, of.radius) && within(s.turn, 0, of.turn) && s.radius > 0 &&
+                       s.turn > 0 && std::isfinite(s.price);
+  if (!(functions && bounds && rows && next && holes && lengths)) throw broken_checkpoint();
 }
 
 }  // namespace kerf

@@ -43,8 +43,16 @@ struct DescentState {
   std::vector<NucleatedHole> nucleated;
 };
 
-/// Bit for bit.
+/// Bit for bit. Throws Error(Files) where the checkpoint holds something else.
 Checkpoint packed(const DescentState& s);
 DescentState unpacked(const Checkpoint& c);
+
+/// What a state must fit: vertices of the canvas, bounded functionals, the largest move and share of the angle.
+struct StateSizes {
+  Eigen::Index vertices = 0, bounds = 0;
+  double radius = infinity, turn = infinity;
+};
+/// Throws Error(Files) for a state that no descent of these sizes keeps, so that the next step can count on it.
+void check_state(const DescentState& s, const StateSizes& of);
 
 }  // namespace kerf

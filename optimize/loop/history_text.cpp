@@ -1,5 +1,7 @@
 #include "optimize/loop/history_text.hpp"
 
+#include "optimize/checkpoint_reader.hpp"
+
 #include <algorithm>
 
 namespace kerf {
@@ -35,40 +37,32 @@ void write_rows(Checkpoint& c, const std::vector<Iteration>& rows) {
       x.push_back(v);
     x.insert(x.end(), r.bounds.begin(), r.bounds.end());
     x.insert(x.end(), r.variables.begin(), r.variables.end());
-    notes += r.note + '\n';
+    append_line(notes, r.note);
   }
   c.numbers["rows"] = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   c.texts["notes"] = notes;
 }
 
 std::vector<Iteration> read_rows(const Checkpoint& c) {
-  const Eigen::VectorXd& x = c.numbers.at("rows");
-  const std::string& notes = c.texts.at("notes");
+  NumberReader in(numbers_of(c, "rows"));
+  LineReader notes(text_of(c, "notes"));
   std::vector<Iteration> rows;
-  std::size_t from = 0;
-  for (Eigen::Index i = 0; i + 13 <= x.size();) {
-    Iteration r{.number = static_cast<int>(x[i]),
-                .objective = x[i + 1],
-                .merit = x[i + 2],
-                .volume_fraction = x[i + 3],
-                .violation = x[i + 4],
-                .step = x[i + 5],
-                .optimality = x[i + 6],
-                .holes = static_cast<int>(x[i + 7]),
-                .triangles = static_cast<Index>(x[i + 8]),
-                .state_solves = static_cast<int>(x[i + 9]),
-                .accepted = x[i + 10] != 0};
-    const Eigen::Index bounds = static_cast<Eigen::Index>(x[i + 11]), variables = static_cast<Eigen::Index>(x[i + 12]);
-    i += 13;
-    r.bounds.assign(x.begin() + i, x.begin() + i + bounds);
-    i += bounds;
-    r.variables = x.segment(i, variables);
-    i += variables;
-    const std::size_t end = notes.find('\n', from);
-    r.note = notes.substr(from, end - from);
-    from = end + 1;
+  while (!in.empty()) {
+    Iteration r;
+    r.number = in.count();
+    for (double* x : {&r.objective, &r.merit, &r.volume_fraction, &r.violation, &r.step, &r.optimality}) *x = in.any();
+    r.holes = in.count();
+    r.triangles = in.count();
+    r.state_solves = in.count();
+    r.accepted = in.flag();
+    const int bounds = in.count(), variables = in.count();
+    const Eigen::VectorXd values = in.take(bounds);
+    r.bounds.assign(values.begin(), values.end());
+    r.variables = in.take(variables);
+    r.note = notes.line();
     rows.push_back(std::move(r));
   }
+  notes.end();
   return rows;
 }
 

@@ -1,5 +1,7 @@
 #include "optimize/parametric/evaluations.hpp"
 
+#include "optimize/checkpoint_reader.hpp"
+
 #include "kerf/element.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "optimize/loop/evaluate.hpp"
@@ -364,10 +366,15 @@ Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& rea
   return out;
 }
 
-void Evaluations::replay(const DesignEvaluation& known) {
-  impl_->last.reset();
-  if (known.fresh) impl_->bases.push_back({known.evaluation.x});
-  if (known.evaluation.failure.empty()) impl_->scale_bounds(known.bounds);
+bool Evaluations::replay(const DesignEvaluation& known) {
+  Impl& s = *impl_;
+  s.last.reset();
+  if (known.fresh) s.bases.push_back({known.evaluation.x});
+  const bool good = known.evaluation.failure.empty();
+  if (good) s.scale_bounds(known.bounds);
+  const auto there = static_cast<Index>(s.bases.size());
+  return known.round == s.round && known.base < there && (!known.fresh || known.base + 1 == there) &&
+         (!good || (known.base != none && known.bounds.size() == s.request.bounds.size()));
 }
 
 std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& design) {
@@ -378,7 +385,9 @@ std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& 
       s.built((design.round == s.round ? s.bases : s.before).at(static_cast<std::size_t>(design.base)));
   DesignEvaluation again;
   s.constrain(x, false, again);
-  s.solve_on(design.fresh ? base.mesh : moved(base, s.design, x).value(), base, x, false, again);
+  const std::optional<Mesh> mesh = design.fresh ? base.mesh : moved(base, s.design, x);
+  if (!mesh) throw broken_checkpoint();  // it was moved there before
+  s.solve_on(*mesh, base, x, false, again);
   return s.last;
 }
 

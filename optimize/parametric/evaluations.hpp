@@ -67,8 +67,9 @@ class Evaluations {
   using Asked = std::function<std::vector<Functional>(const Model&)>;
   Response respond(const Eigen::VectorXd& x, const Reading& reading, const Asked& asked = {});
 
-  /// Takes note of an evaluation that an earlier run made, instead of making it.
-  void replay(const DesignEvaluation& known);
+  /// Takes note of an evaluation that an earlier run made, instead of making it. Whether it is one of this round, on a
+  /// mesh that there is.
+  bool replay(const DesignEvaluation& known);
   /// The body of a design of this round or the one before and its state, solved for again unless it was the last one to
   /// be evaluated.
   std::shared_ptr<const SolvedDesign> solved(const DesignEvaluation& design);

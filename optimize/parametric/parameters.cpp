@@ -1,6 +1,6 @@
 #include "kerf/optimize.hpp"
 
-#include "optimize/checkpoint.hpp"
+#include "optimize/checkpoint_reader.hpp"
 #include "optimize/load_cases.hpp"
 #include "optimize/loop/finish.hpp"
 #include "optimize/parametric/evaluations.hpp"
@@ -43,36 +43,30 @@ VectorXd packed(const DesignEvaluation& t) {
   return v;
 }
 
-Error broken() {
-  return {Fault::Files, "the checkpoint does not hold what this program writes; start without --resume"};
-}
-
-/// A number of numbers, of which there are `most` at most.
-Eigen::Index count_of(double x, Eigen::Index most) {
-  if (!(x >= 0 && x <= static_cast<double>(most))) throw broken();
-  return static_cast<Eigen::Index>(x);
-}
-
 DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
-  if (v.size() < head || !v.head<3>().allFinite() || !v.segment<3>(5).allFinite()) throw broken();
+  NumberReader in(v);
   DesignEvaluation t;
-  t.round = static_cast<int>(v[0]);
-  t.base = static_cast<Index>(v[1]);
-  t.fresh = v[2] != 0;
-  t.objective = v[3];
-  t.volume_fraction = v[4];
-  t.triangles = static_cast<Index>(v[5]);
-  t.holes = static_cast<int>(v[6]);
-  t.state_solves = static_cast<int>(v[7]);
-  const Eigen::Index bounds = count_of(v[8], v.size()), n = count_of(v[9], v.size()),
-                     columns = count_of(v[10], v.size());
-  const Eigen::Index values = v.size() - head - bounds - n - n * columns;
-  if (values < 1 || (columns > 0 && columns != values)) throw broken();
-  t.bounds.assign(v.data() + head, v.data() + head + bounds);
-  t.evaluation.x = v.segment(head + bounds, n);
-  t.evaluation.values = v.segment(head + bounds + n, values);
-  t.evaluation.gradients = v.tail(n * columns).reshaped(n, columns);
+  t.round = in.count();
+  t.base = in.count(most_counted, none);
+  t.fresh = in.flag();
+  t.objective = in.any();
+  t.volume_fraction = in.any();
+  t.triangles = in.count();
+  t.holes = in.count();
+  t.state_solves = in.count();
+  const int bounds = in.count(), n = in.count(), columns = in.count();
+  const VectorXd bounded = in.take(bounds);
+  t.bounds.assign(bounded.begin(), bounded.end());
+  t.evaluation.x = in.take_finite(n);
+  const Eigen::Index values = v.size() - head - bounds - n - static_cast<Eigen::Index>(n) * columns;
+  if (values < 1 || (columns > 0 && columns != values)) throw broken_checkpoint();
+  t.evaluation.values = in.take(values);
+  t.evaluation.gradients = in.take(static_cast<Eigen::Index>(n) * columns).reshaped(n, columns);
   t.evaluation.failure = failure;
+  // What could be evaluated has numbers everywhere.
+  if (failure.empty() && !(std::isfinite(t.objective) && t.evaluation.values.allFinite() &&
+                           t.evaluation.gradients.allFinite() && bounded.allFinite()))
+    throw broken_checkpoint();
   return t;
 }
 
@@ -83,15 +77,16 @@ VectorXd packed(const StartTried& t) {
 }
 
 StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
-  if (v.size() < 6 || !std::isfinite(v[3])) throw broken();
-  const Eigen::Index n = count_of(v[4], v.size() - 5);
-  return {.from = v.segment(5, n),
-          .variables = v.tail(v.size() - 5 - n),
-          .merit = v[0],
-          .violation = v[1],
-          .in_full = v[2] != 0,
-          .state_solves = static_cast<int>(v[3]),
-          .failure = failure};
+  NumberReader in(v);
+  StartTried t;
+  t.merit = in.any();
+  t.violation = in.any();
+  t.in_full = in.flag();
+  t.state_solves = in.count();
+  t.from = in.take_counted();
+  t.variables = in.take(v.size() - 5 - t.from.size());
+  t.failure = failure;
+  return t;
 }
 
 /// A direction in boxes with entries of size 1/2 to 1, the same everywhere.
@@ -172,15 +167,14 @@ void Rounds::restore() {
   if (place_.path.empty() || !place_.resume) return;
   const std::optional<Checkpoint> found = read_checkpoint(place_.path);
   if (!found) return;
-  const auto method = found->texts.find("method");
-  if (found->fingerprint != place_.fingerprint || method == found->texts.end() ||
-      method->second != word(request_.method))
+  if (found->fingerprint != place_.fingerprint || text_of(*found, "method") != word(request_.method))
     throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case or method; start without --resume",
                                           place_.path.string()));
   checkpoint_ = *found;
-  if (const auto note = found->texts.find("checked"); note != found->texts.end()) checked_ = note->second;
-  if (const auto solves = found->numbers.find("checked"); solves != found->numbers.end() && solves->second.size() == 1)
-    checked_solves_ = static_cast<int>(solves->second[0]);
+  if (const auto note = found->texts.find("checked"); note != found->texts.end()) {
+    checked_ = note->second;
+    checked_solves_ = NumberReader(numbers_of(*found, "checked")).count();
+  }
   for (std::size_t i = 0;; ++i) {
     const std::string key = fmt::format("trial {:06}", i);
     const auto numbers = found->numbers.find(key);
@@ -218,11 +212,10 @@ DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
                       known.evaluation.values.size() == 1 + evaluations_.constraints() &&
                       (known.evaluation.gradients.cols() > 0) == gradients &&
                       (known.bounds.empty() || known.bounds.size() == request_.bounds.size());
-    if (!fits)
-      throw Error(Fault::Usage, fmt::format("evaluation {} of the checkpoint {} is not the one that this run makes "
+    if (!fits || !evaluations_.replay(known))
+      throw Error(Fault::Files, fmt::format("evaluation {} of the checkpoint {} is not the one that this run makes "
                                             "(another version or machine?); start without --resume",
                                             next_ + 1, place_.path.string()));
-    evaluations_.replay(known);
   } else {
     done_.push_back(evaluations_.evaluate(x, gradients));
   }
@@ -395,7 +388,11 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
   }
   write();
   const auto best = std::ranges::find_if(all, [](const StartTried& t) { return t.in_full; });
-  if (best == all.end() || best->variables.size() != given.size()) throw broken();
+  const auto fits = [&](const VectorXd& x) { return x.size() == 0 || (x.size() == given.size() && x.allFinite()); };
+  if (!std::ranges::all_of(all, [&](const StartTried& t) { return fits(t.from) && fits(t.variables); }) ||
+      best == all.end() || best->variables.size() != given.size() || (best->variables.array() < lower_.array()).any() ||
+      (best->variables.array() > upper_.array()).any())
+    throw broken_checkpoint();
   result_.notes.push_back(
       fmt::format("{} starts, compared on a coarse mesh: the best one, number {}, reaches {:.6g}, the given one {}",
                   all.size(), best - all.begin() + 1, best->merit,
@@ -417,7 +414,10 @@ bool Rounds::leave_room(const Iteration& row) {
   if (request_.bounds.empty() || rooms_ == most_rooms) return false;
   const std::string key = fmt::format("room {:06}", rooms_);
   if (const auto known = checkpoint_.numbers.find(key); known != checkpoint_.numbers.end()) {
-    at_most_.assign(known->second.begin(), known->second.end());
+    NumberReader in(known->second);
+    const VectorXd tight = in.take_finite(static_cast<Eigen::Index>(request_.bounds.size()));
+    in.end();
+    at_most_.assign(tight.begin(), tight.end());
   } else {
     finer_ = solve_finer_design(row.variables);
     finer_at_ = row.variables;

@@ -1,5 +1,7 @@
 #include "plot/evolution.hpp"
 
+#include "optimize/checkpoint_reader.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,8 +46,9 @@ Contours contours(const Mesh& mesh) {
   return out;
 }
 
+constexpr std::size_t most_kept = 32;
+
 void add(Snapshots& snapshots, Snapshot snapshot) {
-  constexpr std::size_t most = 32;
   if (snapshot.iteration % snapshots.stride == 0) {
     std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration == snapshot.iteration; });
     const auto after = std::find_if(snapshots.kept.begin(), snapshots.kept.end(),
@@ -53,7 +56,7 @@ void add(Snapshots& snapshots, Snapshot snapshot) {
     snapshots.kept.insert(after, snapshot);
   }
   if (!snapshots.last || snapshots.last->iteration <= snapshot.iteration) snapshots.last = std::move(snapshot);
-  while (snapshots.kept.size() > most) {
+  while (snapshots.kept.size() > most_kept) {
     snapshots.stride *= 2;
     std::erase_if(snapshots.kept, [&](const Snapshot& s) { return s.iteration % snapshots.stride != 0; });
   }
@@ -93,15 +96,12 @@ Eigen::VectorXd pack(const std::vector<std::vector<Vec2>>& lines) {
 }
 
 std::vector<std::vector<Vec2>> unpack(const Eigen::VectorXd& values) {
+  NumberReader in(values);
   std::vector<std::vector<Vec2>> lines;
-  for (Eigen::Index i = 0; i < values.size();) {
-    const double length = values[i++];
-    if (!(length >= 0 && length <= static_cast<double>(values.size()))) break;
-    const auto count = static_cast<Eigen::Index>(length);
-    std::vector<Vec2> line;
-    for (Eigen::Index k = 0; k < count && i + 1 < values.size(); ++k, i += 2)
-      line.emplace_back(values[i], values[i + 1]);
-    lines.push_back(std::move(line));
+  while (!in.empty()) {
+    const Eigen::VectorXd line = in.take_finite(2 * static_cast<Eigen::Index>(in.count()));
+    std::vector<Vec2>& points = lines.emplace_back();
+    for (Eigen::Index k = 0; k < line.size(); k += 2) points.emplace_back(line[k], line[k + 1]);
   }
   return lines;
 }
@@ -122,26 +122,29 @@ Checkpoint to_checkpoint(const Snapshots& snapshots, const std::string& fingerpr
 }
 
 Snapshots from_checkpoint(const Checkpoint& checkpoint) {
-  const auto& numbers = checkpoint.numbers;
-  const auto get = [&](const std::string& name) -> std::optional<Snapshot> {
-    const auto head = numbers.find(name), boundary = numbers.find(name + ".boundary"),
-               cracks = numbers.find(name + ".cracks");
-    if (head == numbers.end() || head->second.size() != 3 || boundary == numbers.end() || cracks == numbers.end())
-      return std::nullopt;
-    return Snapshot{static_cast<int>(head->second[0]),
-                    head->second[1],
-                    head->second[2],
-                    {unpack(boundary->second), unpack(cracks->second)}};
+  const auto get = [&](const std::string& name) {
+    NumberReader head(numbers_of(checkpoint, name));
+    Snapshot s;
+    s.iteration = head.count();
+    s.objective = head.any();
+    s.volume_fraction = head.any();
+    head.end();
+    s.contours = {unpack(numbers_of(checkpoint, name + ".boundary")), unpack(numbers_of(checkpoint, name + ".cracks"))};
+    return s;
   };
+  const auto name = [](std::size_t i) { return fmt::format("{:04}", i); };
   Snapshots out;
-  if (const auto stride = numbers.find("stride"); stride != numbers.end() && stride->second.size() == 1)
-    out.stride = std::max(1, static_cast<int>(stride->second[0]));
-  for (std::size_t i = 0;; ++i) {
-    auto s = get(fmt::format("{:04}", i));
-    if (!s) break;
-    out.kept.push_back(std::move(*s));
+  NumberReader stride(numbers_of(checkpoint, "stride"));
+  out.stride = stride.count(most_counted, 1);
+  stride.end();
+  while (checkpoint.numbers.contains(name(out.kept.size()))) {
+    Snapshot s = get(name(out.kept.size()));
+    if (s.iteration % out.stride != 0 || (!out.kept.empty() && s.iteration <= out.kept.back().iteration) ||
+        out.kept.size() == most_kept)
+      throw broken_checkpoint();
+    out.kept.push_back(std::move(s));
   }
-  out.last = get("last");
+  if (checkpoint.numbers.contains("last")) out.last = get("last");
   return out;
 }
 

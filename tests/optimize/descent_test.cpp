@@ -62,7 +62,7 @@ TEST(Descent, StatesComeBackBitForBit) {
   s.rows.back().variables = Eigen::Vector3d(1, 2, 3);
   s.rows.back().bounds = {4, 5};
   s.rows.push_back(s.rows.back());
-  s.rows.back().note = "second";
+  s.rows.back().note = "second\nline, a \\ and \\n";
   const DescentState back = unpacked(packed(s));
   EXPECT_EQ(back.phi, s.phi);
   EXPECT_EQ(back.anchor.phi, s.anchor.phi);
@@ -76,7 +76,7 @@ TEST(Descent, StatesComeBackBitForBit) {
   EXPECT_EQ(back.rows[0].variables, s.rows[0].variables);
   EXPECT_EQ(back.rows[0].bounds, s.rows[0].bounds);
   EXPECT_EQ(back.rows[0].note, s.rows[0].note);
-  EXPECT_EQ(back.rows[1].note, "second");
+  EXPECT_EQ(back.rows[1].note, s.rows[1].note);
   ASSERT_EQ(back.nucleated.size(), 2u);
   EXPECT_EQ(back.nucleated[0].at, s.nucleated[0].at);
   EXPECT_EQ(back.nucleated[0].actual, 2.1);

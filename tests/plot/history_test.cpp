@@ -7,6 +7,7 @@
 #include "io/files.hpp"
 #include "kerf/mesher.hpp"
 #include "plot/evolution.hpp"
+#include "tests/optimize/damage.hpp"
 #include "tests/support/sample.hpp"
 
 #include <cairo.h>
@@ -200,7 +201,32 @@ TEST(Snapshots, GoToACheckpointAndBack) {
     EXPECT_EQ(back.kept[i].contours.boundary, s.kept[i].contours.boundary);
     EXPECT_EQ(back.kept[i].contours.cracks, s.kept[i].contours.cracks);
   }
-  EXPECT_FALSE(from_checkpoint({}).last);
+  EXPECT_FALSE(from_checkpoint(to_checkpoint({}, "abc")).last);
+}
+
+// Damages with a right checksum: refused as a file, or whole numbers of points and iterations that pictures can take.
+TEST(Snapshots, ThatAreDamagedAreRefusedOrGood) {
+  Snapshots s;
+  for (int k = 0; k < 40; ++k)
+    add(s, {k, 1.0 / (k + 1), 0.25, {{{{0, 0}, {1, 0.1 * k}, {0, 1}}, {{0.2, 0.2}}}, {{{0.5, 0.5}, {0.6, 0.7}}}}});
+  const Checkpoint whole = to_checkpoint(s, "abc");
+  int refused = 0;
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    const auto [c, said] = damage::damaged(whole, seed);
+    SCOPED_TRACE(said);
+    try {
+      Snapshots back = from_checkpoint(c);
+      for (int k = 0; k < 200; ++k) add(back, {k, 1, 0.25, {}});
+      EXPECT_LE(back.kept.size(), 32u);
+      for (const Snapshot& shot : back.kept)
+        for (const auto& line : shot.contours.boundary)
+          for (const Vec2& x : line) EXPECT_TRUE(x.allFinite());
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault, Fault::Files);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 700);
 }
 
 double signed_area(const std::vector<Vec2>& loop) {
