@@ -1,6 +1,7 @@
 #include "io/case/fingerprint.hpp"
 
 #include "io/case/named_files.hpp"
+#include "io/files.hpp"
 #include "optimize/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ void append(std::string& out, const Node& node, const std::string& path, const s
       begin('s', 0);
       // Of files their contents count: a copy of the case elsewhere goes on with the same optimization.
       append_text(names_file(path, node.text) && std::filesystem::is_regular_file(folder / node.text)
-                      ? read_text(folder / node.text)
+                      ? read_file(folder / node.text)
                       : node.text);
       return;
     case Node::Kind::Array:
