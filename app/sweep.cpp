@@ -159,9 +159,13 @@ RunRecord record_of(const SweepPlan& plan, const SweepRun& run) {
     return {final ? RunRecord::State::Failed : RunRecord::State::Todo, reason};
   }
   RunRecord out{RunRecord::State::Done, {}};
-  for (const Leaf& leaf : leaves_of_result(folder / "result.json")) {
-    if (leaf.name == "status" && leaf.value != "ok") out.state = RunRecord::State::Failed;
-    if (leaf.name == "reason") out.reason = leaf.value;
+  try {
+    for (const Leaf& leaf : leaves_of_result(folder / "result.json")) {
+      if (leaf.name == "status" && leaf.value != "ok") out.state = RunRecord::State::Failed;
+      if (leaf.name == "reason") out.reason = leaf.value;
+    }
+  } catch (const Error& error) {  // of this run alone, and once more it may be whole
+    return {RunRecord::State::Todo, error.what()};
   }
   return out;
 }
@@ -203,11 +207,11 @@ SweepSummary collect_sweep(const SweepPlan& plan) {
   for (const SweepRun& run : plan.runs) {
     const fs::path folder = plan.folder / run.name;
     const RunRecord record = record_of(plan, run);
-    const bool failed = fs::exists(folder / "failed.txt") || record.state == RunRecord::State::Failed;
+    const bool todo = record.state == RunRecord::State::Todo, damaged = todo && !record.reason.empty();
+    const bool failed = fs::exists(folder / "failed.txt") || record.state == RunRecord::State::Failed || damaged;
     SweepTable::Row row{.name = run.name, .values = run.values, .status = failed ? "failed" : "missing"};
     if (failed) row.reason = reason_of(folder, record);
-    if (record.state != RunRecord::State::Todo && fs::exists(folder / "result.json"))
-      add_result(table, row, leaves_of_result(folder / "result.json"));
+    if (!todo && fs::exists(folder / "result.json")) add_result(table, row, leaves_of_result(folder / "result.json"));
     ++(failed ? summary.failed : record.state == RunRecord::State::Done ? summary.done : summary.missing);
     if (failed) summary.failures.push_back(fmt::format("{}: {}", run.name, row.reason));
     table.rows.push_back(std::move(row));

@@ -1,12 +1,12 @@
-#include "io/files.hpp"
 #include "io/result_table.hpp"
-#include "kerf/types.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
+
+#include "io/result/bounded_json.hpp"
 
 namespace kerf {
 
@@ -49,8 +49,10 @@ void walk(const Json& value, const std::string& path, std::vector<Leaf>& out) {
 }  // namespace
 
 std::vector<Leaf> leaves_of_result(const std::filesystem::path& path) {
-  const Json all = Json::parse(read_file(path), nullptr, false);
-  if (!all.is_object()) throw Error(Fault::Files, fmt::format("{} is no result of kerf", path.string()));
+  const Json all = read_json(path);
+  // What every result has: with another status it would pass for one that is good.
+  for (const char* key : {"version", "case", "status"})
+    if (!all.contains(key) || !all[key].is_string()) throw damaged_result(path);
   std::vector<Leaf> out;
   walk(all, "", out);
   if (all.contains("reason") && all["reason"].is_string()) out.push_back({"reason", all["reason"].get<std::string>()});

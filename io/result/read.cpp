@@ -1,12 +1,11 @@
 // result.json and the tables beside it, read back: the mirror of result.cpp, section by section.
 
-#include "io/files.hpp"
 #include "io/read_result.hpp"
-
-#include <fmt/format.h>
+#include "io/words.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include "io/result/bounded_json.hpp"
 #include "io/result/read_tables.hpp"
 
 namespace kerf {
@@ -480,11 +479,14 @@ Result read_result(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "result.json";
   Result r;
   try {
-    r = from_json(Json::parse(read_file(path)));
+    r = from_json(read_json(path));
   } catch (const Json::exception& e) {
-    throw Error(Fault::Files, fmt::format("{} is damaged, or no result that kerf has written", path.string()));
+    throw damaged_result(path);
   }
-  for (CrackResult& c : r.cracks) read_crack_rows(folder / ("crack_" + c.name + ".csv"), c);
+  for (CrackResult& c : r.cracks) {
+    if (!is_safe_name(c.name)) throw damaged_result(path);  // part of a path
+    read_crack_rows(folder / ("crack_" + c.name + ".csv"), c);
+  }
   if (r.optimize) r.optimize->history = read_history(folder / "history.csv", r.optimize_names);
   return r;
 }

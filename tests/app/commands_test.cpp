@@ -217,5 +217,32 @@ TEST_F(Commands, SweepRunsACasePerValue) {
   EXPECT_EQ(found, 3);
 }
 
+// A result.json that is damaged is the failure of its own run, told in its row; the sweep goes on, and mends it.
+TEST_F(Commands, ADamagedResultIsTheFailureOfItsRun) {
+  write(pulled + no_files);
+  const std::vector<std::string> sweep = {"sweep", "a.toml", "--over", "material.young=[1, 2]", "-o", "s", "--quiet"};
+  ASSERT_EQ(kerf(sweep), 0) << text("stderr");
+  std::filesystem::path result;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "s"))
+    if (entry.path().filename() == "result.json") result = entry.path();
+  const std::string whole = text(result.lexically_relative(folder));
+  std::string renamed = whole;
+  renamed.replace(renamed.find("\"status\""), 8, "\"stotus\"");
+  std::vector<std::string> collect = sweep;
+  collect.push_back("--collect");
+  for (const std::string& damaged : {whole.substr(0, whole.size() / 2), renamed, std::string("[]"), std::string(),
+                                     "{\"a\":" + std::string(100000, '[')}) {
+    std::ofstream(result) << damaged;
+    EXPECT_EQ(kerf(collect), 0) << text("stderr");
+    const std::string table = text("s/sweep.csv");
+    EXPECT_EQ(table.find(",missing,"), std::string::npos) << table;
+    EXPECT_NE(table.find(",failed,"), std::string::npos) << table;
+    EXPECT_NE(table.find("result.json is damaged"), std::string::npos) << table;
+    EXPECT_NE(table.find(",ok,"), std::string::npos) << table;
+  }
+  EXPECT_EQ(kerf(sweep), 0) << text("stderr");
+  EXPECT_EQ(text("s/sweep.csv").find(",failed,"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace kerf::commands_test

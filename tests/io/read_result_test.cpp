@@ -233,6 +233,27 @@ TEST(ReadResult, WhatIsNoResultIsNamed) {
   EXPECT_THROW(read_result(folder.path), Error);
 }
 
+// A name becomes part of the path of a table.
+TEST(ReadResult, NamesThatLeadOutOfTheFolderAreRefused) {
+  const Folder folder;
+  write(folder.path, everything());
+  const std::string text = read_file(folder.path / "result.json"), name = "\"name\": \"c\"";
+  const std::size_t at = text.find(name, text.find("\"cracks\""));
+  ASSERT_NE(at, std::string::npos);
+  for (const std::string other : {"x/../../secret", "../c", "/etc/passwd", "a b", "", "c\\u0000", "c\\n"}) {
+    std::string damaged = text;
+    damaged.replace(at, name.size(), "\"name\": \"" + other + "\"");
+    write_file(folder.path / "result.json", damaged);
+    try {
+      read_result(folder.path);
+      ADD_FAILURE() << other;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Files);
+      EXPECT_NE(std::string(e.what()).find("result.json is damaged"), std::string::npos) << e.what();
+    }
+  }
+}
+
 /// A history with more in its cells than it should have.
 TEST(ReadResult, TablesThatSomebodyElseWrote) {
   const Folder folder;

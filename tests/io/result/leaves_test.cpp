@@ -40,25 +40,56 @@ TEST(Leaves, NumbersAndWordsWithTheirPaths) {
   }
 }
 
+std::string with_head(const std::string& more) {
+  return R"({"version": "0.1", "case": "a", "status": "ok", )" + more + "}";
+}
+
 /// A list of tables is as long as a table may be wide: sixteen.
 TEST(Leaves, LongListsAreLeftOut) {
   std::string sixteen = "{\"a\": 1}";
   for (int k = 1; k < 16; ++k) sixteen += ", {\"a\": 1}";
-  EXPECT_EQ(leaves("{\"list\": [" + sixteen + "]}").size(), 16u);
-  EXPECT_EQ(leaves("{\"list\": [" + sixteen + ", {\"a\": 1}]}").size(), 0u);
-  EXPECT_EQ(leaves("{\"list\": []}").size(), 0u);
+  EXPECT_EQ(leaves(with_head("\"list\": [" + sixteen + "]")).size(), 1 + 16u);
+  EXPECT_EQ(leaves(with_head("\"list\": [" + sixteen + ", {\"a\": 1}]")).size(), 1u);
+  EXPECT_EQ(leaves(with_head("\"list\": []")).size(), 1u);
+}
+
+void expect_refused(const std::string& text) {
+  try {
+    leaves(text);
+    ADD_FAILURE() << text.substr(0, 100);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault, Fault::Files);
+    EXPECT_NE(std::string(e.what()).find("result.json is damaged, or no result"), std::string::npos) << e.what();
+  }
+}
+
+// Lists and objects within each other: whoever walks through them recurses.
+TEST(Leaves, DepthIsBounded) {
+  const auto nested = [](std::string_view open, std::string_view inner, std::string_view close, int depth) {
+    std::string text;
+    for (int k = 0; k < depth; ++k) text += open;
+    text += inner;
+    for (int k = 0; k < depth; ++k) text += close;
+    return with_head("\"a\": " + text);
+  };
+  for (const int depth : {63, 64, 65, 1000, 60000, 1000000})
+    for (const auto& [open, close] :
+         {std::pair("{\"a\":", "}"), {"[", "]"}, {"{\"a\":[", "]}"}, {"[{\"b]\\\"\":", "}]"}}) {
+      const bool deep = (std::string_view(close).size() * std::size_t(depth)) + 1 > 64;
+      const std::string text = nested(open, "1", close, depth);
+      if (deep)
+        expect_refused(text);
+      else
+        EXPECT_EQ(leaves(text).size(), 2u);
+    }
+  expect_refused("{\"a\":" + std::string(100000, '['));
+  EXPECT_EQ(leaves(with_head("\"a\": \"" + std::string(1000, '[') + "\\\"{{{\"")).size(), 2u) << "of a text";
 }
 
 TEST(Leaves, WhatIsNoResultIsRefused) {
-  for (const char* text : {"", "[1, 2]", "{\"state\": ", "3"}) {
-    try {
-      leaves(text);
-      FAIL() << text;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.fault, Fault::Files);
-      EXPECT_NE(std::string(e.what()).find("result.json is no result of kerf"), std::string::npos) << e.what();
-    }
-  }
+  for (const char* text : {"", "[1, 2]", "{\"state\": ", "3", "{}", R"({"version": "1", "case": "a", "stotus": "ok"})",
+                           R"({"version": "1", "case": "a", "status": 0})"})
+    expect_refused(text);
   EXPECT_THROW(leaves_of_result("/nowhere/result.json"), Error);
 }
 
