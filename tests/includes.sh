@@ -85,7 +85,7 @@ only gmsh io/mesh/gmsh_module.cpp
 only petsc app/petsc_module.cpp
 only mpi app/petsc_module.cpp
 only cairo plot/figure/pen.hpp
-only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
+only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/result/bounded_json.cpp io/result/bounded_json.hpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
 only CLI app/command_line.cpp
 only spdlog app/progress.cpp
 only pybind11 python/module.cpp python/document.cpp python/document.hpp
