@@ -3,6 +3,7 @@
 
 #include "io/case/decided.hpp"
 #include "io/case/functions.hpp"
+#include "io/case/node_order.hpp"
 #include "io/case/syntax.hpp"
 #include "io/case/taylor_model.hpp"
 
@@ -30,11 +31,18 @@ class ModelOverBox {
 
  private:
   const TaylorModel& at(int node) {
-    std::optional<TaylorModel>& value = value_[static_cast<std::size_t>(node)];
-    if (!value) value = evaluate(syntax_.nodes[static_cast<std::size_t>(node)]);
-    return *value;
+    const auto value = [&](int k) -> std::optional<TaylorModel>& { return value_[static_cast<std::size_t>(k)]; };
+    const auto known = [&](int k) { return value(k).has_value(); };
+    const auto range = [&](int k) -> const Interval& { return value(k)->range; };
+    const auto node_of = [&](int k) -> const SyntaxNode& { return syntax_.nodes[static_cast<std::size_t>(k)]; };
+    if (!known(node))
+      evaluate_in_order(
+          node, known, [&](int k, std::vector<int>& wanted) { append_needed(node_of(k), known, range, wanted); },
+          [&](int k) { value(k) = evaluate(node_of(k)); });
+    return *value(node);
   }
 
+  /// Of a node whose needs are known.
   TaylorModel evaluate(const SyntaxNode& n) {
     const auto of = [&](std::size_t k) -> const TaylorModel& { return at(n.of[k]); };
     switch (n.kind) {

@@ -1,5 +1,6 @@
 #include "io/case/decided.hpp"
 #include "io/case/functions.hpp"
+#include "io/case/node_order.hpp"
 #include "io/case/syntax.hpp"
 
 #include <optional>
@@ -96,7 +97,8 @@ struct Undecided {
   double level;
 };
 
-/// A tree on one piece or box. Every node is evaluated at most once, and only where it is needed.
+/// A tree on one piece or box. Every node is evaluated at most once, after those that it needs, and only where it is
+/// needed.
 class Evaluation {
  public:
   Evaluation(const Syntax& syntax, const Variables& variables)
@@ -115,10 +117,13 @@ class Evaluation {
     return at(static_cast<int>(syntax_.nodes.size()) - 1);
   }
   const Taylor& at(int node) {
-    if (!known_[node]) {
-      value_[node] = evaluate(node);
-      known_[node] = true;
-    }
+    if (!known_[node])
+      evaluate_in_order(
+          node, [&](int k) { return bool(known_[k]); }, [&](int k, std::vector<int>& wanted) { append(k, wanted); },
+          [&](int k) {
+            value_[k] = evaluate(k);
+            known_[k] = true;
+          });
     return value_[node];
   }
   /// As `at`, the range sharpened by the values at the ends where the node is monotone.
@@ -140,6 +145,22 @@ class Evaluation {
   }
 
  private:
+  /// What a node needs still; of min and max the test, then the one or ones that may be taken.
+  void append(int node, std::vector<int>& wanted) const {
+    const SyntaxNode& n = syntax_.nodes[node];
+    const auto known = [&](int k) { return bool(known_[k]); };
+    const auto range = [&](int k) -> const Interval& { return value_[k].c[0]; };
+    const Breaking kind = n.kind == Kind::Call ? breaking(n.argument) : Breaking::No;
+    if (kind != Breaking::Min && kind != Breaking::Max) return append_needed(n, known, range, wanted);
+    const int test = n.of.back();
+    if (!known(test)) return wanted.push_back(test);
+    const bool least = kind == Breaking::Min;
+    const Interval& c = range(test);
+    if (!(c.high <= 0) && !known(n.of[least ? 1 : 0])) wanted.push_back(n.of[least ? 1 : 0]);
+    if (!(c.low >= 0) && !known(n.of[least ? 0 : 1])) wanted.push_back(n.of[least ? 0 : 1]);
+  }
+
+  /// Of a node whose needs are known.
   Taylor evaluate(int node) {
     const SyntaxNode& n = syntax_.nodes[node];
     const auto of = [&](int k) -> const Taylor& { return at(n.of[k]); };
@@ -326,8 +347,25 @@ class Parting {
     if (!needs_[k]) return Halves{values_.at(k), std::nullopt};
     const TaylorArithmetic& with = values_.arithmetic();
     if (k == node_) return Halves{with.constant(exactly(0)), with.constant(exactly(1))};
-    if (!done_[k]) done_[k] = combine(syntax_.nodes[k]);
+    if (!done_[k])
+      evaluate_in_order(
+          k, [&](int j) { return !needs_[j] || j == node_ || done_[j].has_value(); },
+          [&](int j, std::vector<int>& wanted) { append(syntax_.nodes[j], wanted); },
+          [&](int j) { done_[j] = combine(syntax_.nodes[j]); });
     return *done_[k];
+  }
+  /// What combine() asks for; of a choice the branch that is taken.
+  void append(const SyntaxNode& n, std::vector<int>& wanted) {
+    const auto want = [&](int k) {
+      if (needs_[k] && k != node_ && !done_[k]) wanted.push_back(k);
+    };
+    if (n.kind == Kind::Choice) {
+      if (needs_[n.of[0]]) return;
+      const Truth condition = truth(values_.at(n.of[0]).c[0]);
+      if (condition != Truth::Open) want(n.of[condition == Truth::Yes ? 1 : 2]);
+      return;
+    }
+    for (std::size_t k = n.of.size(); k-- > 0;) want(n.of[k]);
   }
   std::optional<Halves> combine(const SyntaxNode& n) {
     const TaylorArithmetic& with = values_.arithmetic();

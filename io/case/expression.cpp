@@ -15,6 +15,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <unordered_set>
 
 namespace kerf {
 
@@ -310,15 +311,18 @@ struct Reach {
 };
 Reach reach_of(std::string_view text, const ExpressionContext& context, std::size_t count) {
   Reach reach;
-  std::vector<std::string> names = names_in(text);
+  std::unordered_set<std::string> names;
+  const auto add = [&](std::string_view more) {
+    for (std::string& name : names_in(more)) names.insert(std::move(name));
+  };
+  add(text);
   for (std::size_t k = count; k-- > 0;) {
-    if (!contains(names, context.definitions[k].name)) continue;
-    reach.definitions.insert(reach.definitions.begin(), k);
-    for (std::string& name : names_in(context.definitions[k].text))
-      if (!contains(names, name)) names.push_back(std::move(name));
+    if (!names.contains(context.definitions[k].name)) continue;
+    reach.definitions.push_back(k);
+    add(context.definitions[k].text);
   }
-  reach.varies = std::any_of(variables().begin(), variables().end(),
-                             [&](const std::string& name) { return contains(names, name); });
+  std::ranges::reverse(reach.definitions);
+  reach.varies = std::ranges::any_of(variables(), [&](const std::string& name) { return names.contains(name); });
   return reach;
 }
 
@@ -346,9 +350,14 @@ void check_definition_name(const ExpressionContext& context, std::size_t k) {
 
 std::vector<std::string> names_in(std::string_view text) {
   std::vector<std::string> names;
+  std::unordered_set<std::string> met;
   for (Name& name : scan(text))
-    if (!name.called && !contains(names, name.text)) names.push_back(std::move(name.text));
+    if (!name.called && met.insert(name.text).second) names.push_back(std::move(name.text));
   return names;
+}
+
+std::vector<std::size_t> definitions_under(std::string_view text, const ExpressionContext& context) {
+  return reach_of(text, context, context.definitions.size()).definitions;
 }
 
 void check_definition(const ExpressionContext& context, std::size_t k) {

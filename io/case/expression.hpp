@@ -34,4 +34,7 @@ void check_definition(const ExpressionContext& context, std::size_t k);
 /// The names that an expression refers to (functions left out), each once, in order.
 std::vector<std::string> names_in(std::string_view text);
 
+/// The definitions that an expression needs, directly or not, in their order.
+std::vector<std::size_t> definitions_under(std::string_view text, const ExpressionContext& context);
+
 }  // namespace kerf

@@ -1,9 +1,12 @@
 #include "io/case/syntax.hpp"
 
 #include "io/case/functions.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
 
 #include <charconv>
-#include <map>
+#include <unordered_map>
 
 namespace kerf {
 
@@ -14,16 +17,32 @@ using Kind = SyntaxNode::Kind;
 /// What the parser meets and does not know: the tree is given up.
 struct Unknown {};
 
+struct NodeHash {
+  std::size_t operator()(const SyntaxNode& n) const {
+    std::size_t sum = static_cast<std::size_t>(n.kind) * 64 + static_cast<std::size_t>(n.argument);
+    const auto mix = [&](std::size_t more) { sum = (sum ^ more) * 0x9E3779B97F4A7C15u + (sum >> 29); };
+    mix(std::hash<double>()(n.value));
+    for (const int k : n.of) mix(static_cast<std::size_t>(k));
+    return sum;
+  }
+};
+
 /// Recursive descent over muParser's grammar: ?: binds least, then ||, &&, comparisons (all alike, from the left), + -,
 /// * / and signs, ^ (from the right).
 class Descent {
  public:
-  Descent(Syntax& out, const ExpressionContext& context, std::map<std::string, int>& definitions)
-      : out_(out), context_(context), definitions_(definitions) {}
+  Descent(Syntax& out, const ExpressionContext& context) : out_(out), context_(context) {}
+
+  /// From now on the name stands for what the text says.
+  void define(const std::string& name, std::string_view text) {
+    const int root = parse(text);
+    definitions_.try_emplace(name, root);
+  }
 
   int parse(std::string_view text) {
     text_ = text;
     at_ = 0;
+    depth_ = 0;
     const int root = choice();
     skip();
     if (at_ != text_.size()) throw Unknown();
@@ -33,10 +52,30 @@ class Descent {
  private:
   /// What was met before is the same node, which is evaluated once.
   int add(SyntaxNode node) {
-    const auto found = std::ranges::find(out_.nodes, node);
-    if (found != out_.nodes.end()) return static_cast<int>(found - out_.nodes.begin());
-    out_.nodes.push_back(std::move(node));
-    return static_cast<int>(out_.nodes.size()) - 1;
+    const auto [found, is_new] = known_.try_emplace(node, static_cast<int>(out_.nodes.size()));
+    if (is_new) out_.nodes.push_back(std::move(node));
+    return found->second;
+  }
+  /// One level of recursion, which is refused beyond what the stack surely holds.
+  class Level {
+   public:
+    explicit Level(Descent& descent) : depth_(descent.depth_) {
+      constexpr int most = 2000;  // 1,000 parentheses: an expression in them, and its first operand
+      if (++depth_ > most) descent.refuse_depth();
+    }
+    Level(const Level&) = delete;
+    Level& operator=(const Level&) = delete;
+    ~Level() {
+      --depth_;
+    }
+
+   private:
+    int& depth_;
+  };
+  [[noreturn]] void refuse_depth() const {
+    throw Error(Fault::Usage, fmt::format("expression {}, column {}: too many operations lie within each other; name "
+                                          "parts of it in [define]",
+                                          quote(text_), at_ + 1));
   }
   void skip() {
     while (at_ < text_.size() && std::string_view(" \t\n\r").find(text_[at_]) != std::string_view::npos) ++at_;
@@ -49,6 +88,7 @@ class Descent {
   }
 
   int choice() {
+    const Level level(*this);
     const int condition = disjunction();
     if (!take("?")) return condition;
     const int yes = choice();
@@ -108,6 +148,7 @@ class Descent {
     }
   }
   int sign() {
+    const Level level(*this);
     if (take("+")) return sign();
     if (take("-")) return add({.kind = Kind::Negate, .of = {sign()}});
     return power();
@@ -171,21 +212,19 @@ class Descent {
     }
     return add({.kind = Kind::Call, .argument = function, .of = std::move(arguments)});
   }
-  int definition(const std::string& word) {
-    if (const auto found = definitions_.find(word); found != definitions_.end()) return found->second;
-    for (const Definition& d : context_.definitions) {
-      if (d.name != word) continue;
-      const int root = Descent(out_, context_, definitions_).parse(d.text);
-      return definitions_[word] = root;
-    }
-    throw Unknown();
+  int definition(const std::string& word) const {
+    const auto found = definitions_.find(word);
+    if (found == definitions_.end()) throw Unknown();
+    return found->second;
   }
 
   Syntax& out_;
   const ExpressionContext& context_;
-  std::map<std::string, int>& definitions_;
+  std::unordered_map<std::string, int> definitions_;
+  std::unordered_map<SyntaxNode, int, NodeHash> known_;
   std::string_view text_;
   std::size_t at_ = 0;
+  int depth_ = 0;
 };
 
 int degree_of(const SyntaxNode& n, const std::vector<int>& degrees, const Syntax& s) {
@@ -223,9 +262,12 @@ int degree_of(const SyntaxNode& n, const std::vector<int>& degrees, const Syntax
 
 std::shared_ptr<const Syntax> syntax_of(std::string_view text, const ExpressionContext& context) {
   auto syntax = std::make_shared<Syntax>();
-  std::map<std::string, int> definitions;
   try {
-    const int root = Descent(*syntax, context, definitions).parse(text);
+    Descent descent(*syntax, context);
+    // In their order: a definition uses those before it.
+    for (const std::size_t k : definitions_under(text, context))
+      descent.define(context.definitions[k].name, context.definitions[k].text);
+    const int root = descent.parse(text);
     // Of a name alone the node may lie anywhere.
     if (root + 1 != static_cast<int>(syntax->nodes.size()))
       syntax->nodes.push_back({.kind = Kind::Call, .argument = function_called("sum"), .of = {root}});
