@@ -15,8 +15,8 @@ std::filesystem::path find_beside(const char* name, const std::filesystem::path&
 /// A program of the system, from the PATH; parts of it that are no absolute paths do not count. Empty: there is none.
 std::filesystem::path find_program(const char* name);
 
-/// The shared object `name` with these functions, from the same places: absolute paths alone, never the folder where the
-/// user stands. It stays loaded until the program ends. A null handle: `reason` says why there is none.
+/// The shared object `name` with these functions, from the same places: absolute paths alone, never the folder where
+/// the user stands. It stays loaded until the program ends. A null handle: `reason` says why there is none.
 struct LoadedModule {
   void* handle = nullptr;
   std::string reason = {};

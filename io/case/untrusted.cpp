@@ -2,8 +2,8 @@
 
 #include "io/untrusted.hpp"
 
-#include "io/case/named_files.hpp"
 #include "io/case/fields.hpp"
+#include "io/case/named_files.hpp"
 
 #include <fmt/format.h>
 

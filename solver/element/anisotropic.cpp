@@ -117,8 +117,7 @@ std::vector<Mat2> smooth_images(const std::vector<Material>& materials) {
   std::vector<Mat2> images;
   for (const Material& m : materials) {
     if (isotropic(m)) continue;
-    for (const std::complex<double>& p : roots(m))
-      images.push_back((Mat2() << 1, p.real(), 0, p.imag()).finished());
+    for (const std::complex<double>& p : roots(m)) images.push_back((Mat2() << 1, p.real(), 0, p.imag()).finished());
   }
   return images;
 }

@@ -93,9 +93,10 @@ TEST_F(Hostile, EveryLimitOfTheAddressSpaceEndsSoonAndInWords) {
 }
 
 TEST_F(Hostile, FilesInTheFolderAreNeitherFollowedNorWaitedFor) {
-  fs::create_directory(folder / "out");
   write("victim", "mine");
+  ASSERT_EQ(run("solve a.toml -o out --quiet"), 0) << error();
   fs::create_symlink("../victim", folder / "out" / "result.json.part");
+  fs::remove(folder / "out" / "crack_c.csv");
   fs::create_symlink("../victim", folder / "out" / "crack_c.csv");
   ASSERT_EQ(mkfifo((folder / "out" / "state.vtu.part").c_str(), 0600), 0);
   ASSERT_EQ(run("solve a.toml -o out --force --quiet"), 0) << error();
