@@ -13,8 +13,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <thread>
+#include <unordered_map>
 #include <unordered_set>
 
 namespace kerf {
@@ -165,8 +168,8 @@ struct Evaluator {
     parser.DefineVar("y", &y);
     parser.DefineVar("nx", &nx);
     parser.DefineVar("ny", &ny);
-    for (auto& [name, value] : values)
-      if (text.find(name) != std::string::npos) parser.DefineVar(name, &value);
+    for (const std::string& name : names_in(text))
+      if (const auto found = values.find(name); found != values.end()) parser.DefineVar(name, &found->second);
     std::string line = text;
     std::replace_if(line.begin(), line.end(), is_space, ' ');
     parser.SetExpr(line);
@@ -255,29 +258,40 @@ const std::vector<std::string>& functions() {
   }();
   return names;
 }
+/// The definitions of a context by their names.
+using ByName = std::unordered_map<std::string_view, std::size_t>;
+ByName by_name(const ExpressionContext& context) {
+  ByName out;
+  for (std::size_t k = 0; k < context.definitions.size(); ++k) out.try_emplace(context.definitions[k].name, k);
+  return out;
+}
+
 /// Checks every name of `text`; `definitions[0 .. count)` are the ones it may use.
-void check_names(std::string_view text, const ExpressionContext& context, std::size_t count) {
+void check_names(std::string_view text, const ExpressionContext& context, const ByName& defined, std::size_t count) {
   std::vector<std::string> known = variables();
   if (!context.on_boundary) known.resize(2);
   known.insert(known.end(), constants().begin(), constants().end());
-  for (std::size_t k = 0; k < count; ++k) known.push_back(context.definitions[k].name);
+  const auto is_known = [&](const std::string& name) {
+    const auto found = defined.find(name);
+    return (found != defined.end() && found->second < count) || contains(known, name);
+  };
   for (const Name& name : scan(text)) {
     if (name.called) {
       if (contains(functions(), name.text)) continue;
-      if (contains(known, name.text)) fail(text, name.column, fmt::format("{} is not a function", quote(name.text)));
+      if (is_known(name.text)) fail(text, name.column, fmt::format("{} is not a function", quote(name.text)));
       fail(text, name.column,
            fmt::format("unknown function {}; {}", quote(name.text), suggest(name.text, functions())));
     }
-    if (contains(known, name.text)) continue;
+    if (is_known(name.text)) continue;
     if (contains(functions(), name.text))
       fail(text, name.column, fmt::format("the function {0} needs an argument, {0}(...)", name.text));
     if (contains(variables(), name.text))
       fail(text, name.column,
            fmt::format("{} has no meaning here: there is no normal inside the body", quote(name.text)));
-    for (std::size_t k = count; k < context.definitions.size(); ++k)
-      if (context.definitions[k].name == name.text)
-        fail(text, name.column,
-             fmt::format("{} is defined here or later; a definition may use only those before it", quote(name.text)));
+    if (defined.contains(name.text))
+      fail(text, name.column,
+           fmt::format("{} is defined here or later; a definition may use only those before it", quote(name.text)));
+    for (std::size_t k = 0; k < count; ++k) known.push_back(context.definitions[k].name);
     fail(text, name.column, fmt::format("unknown name {}; {}", quote(name.text), suggest(name.text, known)));
   }
 }
@@ -291,7 +305,8 @@ void check_syntax(const std::string& text, const ExpressionContext& context) {
                 fmt::format("the expression has {} characters; at most {} are read: split it with [define]",
                             text.size(), longest));
   Evaluator probe({"0", {}, context.young, context.poisson});
-  for (const Definition& d : context.definitions) probe.values[d.name] = 1;
+  for (const std::string& name : names_in(text))
+    if (!contains(variables(), name) && !contains(constants(), name)) probe.values[name] = 1;
   mu::Parser parser = probe.prepare(text, {text, {}, context.young, context.poisson});
   try {
     int results = 0;
@@ -332,7 +347,7 @@ Program program_of(const std::string& text, const ExpressionContext& context, co
   return program;
 }
 
-void check_definition_name(const ExpressionContext& context, std::size_t k) {
+void check_definition_name(const ExpressionContext& context, const ByName& defined, std::size_t k) {
   const std::string& name = context.definitions[k].name;
   const auto refuse = [&](const std::string& why) {
     throw Error(Fault::Usage, fmt::format("definition {}: {}", quote(name), why));
@@ -342,8 +357,30 @@ void check_definition_name(const ExpressionContext& context, std::size_t k) {
     refuse("a name is made of letters, digits and _, and does not begin with a digit");
   if (contains(variables(), name) || contains(constants(), name) || contains(functions(), name))
     refuse("the name is taken; choose another");
-  for (std::size_t j = 0; j < k; ++j)
-    if (context.definitions[j].name == name) refuse("defined twice");
+  if (defined.at(name) < k) refuse("defined twice");
+}
+
+/// Looks at definitions by themselves, in their order; those that they use are among them. Constants are finite.
+std::optional<WrongDefinition> wrong_among(const ExpressionContext& context, std::span<const std::size_t> which,
+                                           const ByName& defined) {
+  std::unordered_set<std::string_view> varying(variables().begin(), variables().end());
+  Evaluator constants({"0", {}, context.young, context.poisson});
+  for (const std::size_t k : which) try {
+      const Definition& d = context.definitions[k];
+      check_definition_name(context, defined, k);
+      check_names(d.text, context, defined, k);
+      check_syntax(d.text, context);
+      if (std::ranges::any_of(names_in(d.text), [&](const std::string& name) { return varying.contains(name); })) {
+        varying.insert(d.name);
+        continue;
+      }
+      const double value = constants.prepare(d.text, {"", {}, context.young, context.poisson}).Eval();
+      if (!std::isfinite(value)) fail(d.text, 1, fmt::format("the value is not finite ({})", value));
+      constants.values[d.name] = value;
+    } catch (const Error& error) {
+      return WrongDefinition{k, error.what()};
+    }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -360,23 +397,22 @@ std::vector<std::size_t> definitions_under(std::string_view text, const Expressi
   return reach_of(text, context, context.definitions.size()).definitions;
 }
 
-void check_definition(const ExpressionContext& context, std::size_t k) {
-  const Definition& d = context.definitions[k];
-  check_definition_name(context, k);
-  check_names(d.text, context, k);
-  check_syntax(d.text, context);
-  const Reach reach = reach_of(d.text, context, k);
-  if (reach.varies) return;
-  const double value = Evaluator(program_of(d.text, context, reach))(Vec2::Zero(), Vec2::Zero());
-  if (!std::isfinite(value)) fail(d.text, 1, fmt::format("the value is not finite ({})", value));
+std::optional<WrongDefinition> wrong_definition(const ExpressionContext& context) {
+  std::vector<std::size_t> all(context.definitions.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return wrong_among(context, all, by_name(context));
 }
 
 Expression parse_expression(std::string_view view, const ExpressionContext& context) {
   const std::string text(view);
-  check_names(text, context, context.definitions.size());
+  const ByName defined = by_name(context);
+  check_names(text, context, defined, context.definitions.size());
   check_syntax(text, context);
   const Reach reach = reach_of(text, context, context.definitions.size());
-  for (const std::size_t k : reach.definitions) check_definition(context, k);
+  if (context.checked)
+    for (const std::size_t k : reach.definitions) check_names(context.definitions[k].text, context, defined, k);
+  else if (const auto wrong = wrong_among(context, reach.definitions, defined))
+    throw Error(Fault::Usage, wrong->what);
   const auto pool = std::make_shared<Pool>(program_of(text, context, reach));
   if (!reach.varies) {
     const double value = pool->evaluate(Vec2::Zero(), Vec2::Zero());

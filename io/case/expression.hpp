@@ -3,6 +3,7 @@
 
 #include "kerf/types.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,11 +26,16 @@ struct ExpressionContext {
   std::vector<Definition> definitions;
   double young = 0, poisson = 0;
   bool on_boundary = true;  // else nx and ny are no names: there is no normal
+  bool checked = false;     // the definitions, by wrong_definition(), for a boundary
 };
 Expression parse_expression(std::string_view text, const ExpressionContext& context);
 
-/// Throws as parse_expression does when definition k is wrong by itself; the ones before it are taken to be right.
-void check_definition(const ExpressionContext& context, std::size_t k);
+/// The first definition that is wrong by itself, whoever uses it, and why, as parse_expression says it.
+struct WrongDefinition {
+  std::size_t number;
+  std::string what;
+};
+std::optional<WrongDefinition> wrong_definition(const ExpressionContext& context);
 
 /// The names that an expression refers to (functions left out), each once, in order.
 std::vector<std::string> names_in(std::string_view text);

@@ -11,16 +11,6 @@ namespace kerf {
 
 namespace {
 
-void mark_used(Definitions& definitions, std::vector<std::string> names) {
-  // A definition needs only earlier ones: once backwards reaches them all.
-  for (std::size_t k = definitions.used.size(); k-- > 0;) {
-    const Definition& d = definitions.context.definitions[k];
-    if (std::find(names.begin(), names.end(), d.name) == names.end()) continue;
-    definitions.used[k] = true;
-    for (std::string& name : names_in(d.text)) names.push_back(std::move(name));
-  }
-}
-
 /// A black box: nothing is proved of it, data are sampled.
 Formula of_function(const Value& field) {
   const std::string where = to_string(field.node->position) + ": " + field.name + ": ";
@@ -56,9 +46,8 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
   try {
     definitions.context.on_boundary = on_boundary;
     const Expression parsed = parse_expression(field.node->text, definitions.context);
-    const std::vector<std::string> names = names_in(field.node->text);
-    mark_used(definitions, names);
-    if (names.empty()) return fixed(parsed(Vec2::Zero(), Vec2::Zero()));
+    for (const std::size_t k : definitions_under(field.node->text, definitions.context)) definitions.used[k] = true;
+    if (names_in(field.node->text).empty()) return fixed(parsed(Vec2::Zero(), Vec2::Zero()));
     const auto placed = [parsed, where](const Vec2& x, const Vec2& n) {
       try {
         return parsed(x, n);
@@ -120,13 +109,10 @@ Definitions read_definitions(const Value& document, const Case& c) {
     out.used.push_back(false);
   }
   // Each by itself, so that an error is found where it stands, whoever uses it.
-  for (std::size_t k = 0; k < out.positions.size(); ++k) {
-    try {
-      check_definition(out.context, k);
-    } catch (const Error& e) {
-      fail(out.positions[k], fmt::format("{} in [define]: {}", out.context.definitions[k].name, e.what()));
-    }
-  }
+  if (const auto wrong = wrong_definition(out.context))
+    fail(out.positions[wrong->number],
+         fmt::format("{} in [define]: {}", out.context.definitions[wrong->number].name, wrong->what));
+  out.context.checked = true;
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 namespace kerf::depth_test {
@@ -91,6 +92,31 @@ TEST(Depth, LongSumsCostNoStack) {
       EXPECT_NEAR(factor, 1, 1e-12);
     });
   }
+}
+
+// Each of a thousand definitions names those before it: what is found by its name is found at once.
+TEST(Depth, ManyDefinitionsOfManyNamesTakeLinearTime) {
+  ExpressionContext c;
+  constexpr int names = 15;
+  for (int k = 0; k < 1000; ++k) {
+    std::string text = "1";
+    for (int j = 0; k > 0 && j < names; ++j) text += "+0*d" + std::to_string(k - 1 - j % k);
+    c.definitions.push_back({"d" + std::to_string(k), text});
+  }
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_FALSE(wrong_definition(c));
+  c.checked = true;
+  EXPECT_EQ(parse_expression("x*d999", c)({2, 0}, {1, 0}), 2);
+  ASSERT_TRUE(syntax_of("x*d999", c));
+  EXPECT_EQ(definitions_under("x*d999", c).size(), 1000u);
+  // 9 s and more when every name was compared with every other.
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(8));
+  c.definitions[50].text += "+d50";
+  const std::optional<WrongDefinition> wrong = wrong_definition(c);
+  ASSERT_TRUE(wrong);
+  EXPECT_EQ(wrong->number, 50u);
+  c.definitions[50].text = "1/0*d3";
+  EXPECT_EQ(wrong_definition(c)->number, 50u);
 }
 
 TEST(Depth, WhatIsNestedTooDeepIsRefused) {
