@@ -360,7 +360,7 @@ PYBIND11_MODULE(_kerf, m) {
       .def_property_readonly("has_functions", [](const PythonCase& of) { return of.functions; })
       .def("keep",
            [](const PythonCase& of, const std::string& folder) {
-             const KeptCase kept = keep(of.c, {});
+             const KeptCase kept = keep(of.c, {std::string(head_of_results) + KERF_VERSION + " read it"});
              for (const auto& [name, bytes] : kept.files) write_file(folder, name, bytes);
              write_file(std::filesystem::path(folder) / "case.toml", kept.text);
            })

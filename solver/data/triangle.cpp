@@ -10,7 +10,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -84,8 +86,15 @@ struct Cell {
 class TriangleIntegration {
  public:
   TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, const char* what,
-                      double size, int looks, double small = 1)
-      : f_(f), corners_(corners), rule_(rule), what_(what), size_(size), looks_(looks), small_(small) {}
+                      double size, int looks, double share = 1, bool may_sample = true)
+      : f_(f),
+        corners_(corners),
+        rule_(rule),
+        what_(what),
+        size_(size),
+        looks_(looks),
+        share_(share),
+        may_sample_(may_sample) {}
 
   /// Whether more looks would add nothing.
   bool is_settled() const {
@@ -217,7 +226,7 @@ class TriangleIntegration {
   }
   /// Derivatives say nothing, or do not come to an end: what two rules agree on is taken, and is no proof.
   void settle_by_samples(Cell& c) const {
-    if (c.settled || !c.smooth) return;
+    if (c.settled || !c.smooth || !may_sample_) return;
     const double size = largest_of(c.range, size_);
     const std::optional<double> difference = agreement(c, size);
     if (!difference) return;
@@ -281,7 +290,7 @@ class TriangleIntegration {
   }
   /// Where looks do not prove enough.
   bool take_samples() {
-    if (!f_.known() || open_cells().error <= proved * std::max(scale_, small_ * size_)) return false;
+    if (!f_.known() || !may_sample_ || open_cells().error <= proved * std::max(scale_, share_ * size_)) return false;
     for (Cell& c : cells_) settle_by_samples(c);
     return true;
   }
@@ -357,7 +366,8 @@ class TriangleIntegration {
   const char* what_;
   double size_;
   int looks_;
-  double small_;
+  double share_;  // what may be left of a proof here, over what may be left of the triangle's own size
+  bool may_sample_;
   std::vector<Cell> cells_;
   int evaluations_ = 0;
   double scale_ = 0;
@@ -401,38 +411,38 @@ class SharedLooks {
         threads_(threads),
         values_(which.size()),
         size_(which.size(), Vec2::Zero()),
-        open_(which.size()) {
+        open_(which.size()),
+        looks_(which.size(), 0) {
     std::iota(open_.begin(), open_.end(), std::size_t{0});
     for (const Index t : which_) area_ += area(cell_(t));
   }
 
   std::vector<TriangleValues> run() && {
     static const TriangleRule few = triangle_rule(5);
-    for_each_open([&](std::size_t k, const Triangle& t) {
+    for_each_open(open_.size(), [&](std::size_t k, const Triangle& t) {
       const Points x = places(few, t.x);
       for (Eigen::Index q = 0; q < x.cols(); ++q)
         if (const Vec2 v = f_(x.col(q)).cwiseAbs(); v.allFinite()) size_[k] += few.w[q] * v;
       return false;
     });
-    look(1);
-    double budget = 3 * static_cast<double>(which_.size()) + 4 * shared_looks;
-    for (const int looks : {5, 30}) {
-      const double cost = looks * static_cast<double>(open_.size());
-      if (cost > budget) break;
-      look(looks);
-      budget -= cost;
+    look(1, open_.size());
+    double budget = 8 * static_cast<double>(which_.size()) + 4 * shared_looks;
+    for (const int looks : {5, 30, 120, 500, shared_looks}) {
+      const double some = looks == shared_looks ? budget : 0.5 * budget;
+      const std::size_t count = std::min(open_.size(), static_cast<std::size_t>(some / looks));
+      budget -= static_cast<double>(looks) * static_cast<double>(count);
+      look(looks, count);
     }
-    if (!open_.empty())
-      look(static_cast<int>(std::clamp(budget / static_cast<double>(open_.size()), 5.0, double(shared_looks))));
+    sample_rest();
     return std::move(values_);
   }
 
  private:
-  /// Those of which `settles` is true come off the list.
+  /// Of the first `count` on the list those of which `settles` is true come off it.
   template <typename Settles>
-  void for_each_open(const Settles& settles) {
-    std::vector<char> settled(open_.size());
-    parallel_for(static_cast<Index>(open_.size()), threads_, [&](Index begin, Index end) {
+  void for_each_open(std::size_t count, const Settles& settles) {
+    std::vector<char> settled(open_.size(), 0);
+    parallel_for(static_cast<Index>(count), threads_, [&](Index begin, Index end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
         settled[i] = settles(open_[i], cell_(which_[open_[i]]));
     });
@@ -441,19 +451,44 @@ class SharedLooks {
       if (!settled[i]) open_[left++] = open_[i];
     open_.resize(left);
   }
-  void look(int looks) {
+  double mean() const {
+    constexpr double nothing = 1e-13;
     Vec2 sum = Vec2::Zero();
     for (std::size_t k = 0; k < which_.size(); ++k) sum += area(cell_(which_[k])) * size_[k];
-    constexpr double nothing = 1e-13, most = 10;
-    const double mean = std::max(sum.maxCoeff() / area_, nothing * largest_),
-                 usual = area_ / static_cast<double>(which_.size());
-    for_each_open([&](std::size_t k, const Triangle& t) {
+    return std::max(sum.maxCoeff() / area_, nothing * largest_);
+  }
+  double left(std::size_t k) const {
+    return area(cell_(which_[k])) * values_[k].error;
+  }
+  TriangleIntegration at(const Triangle& t, double mean, int looks, double share, bool may_sample) const {
+    constexpr double most = 10;
+    const double usual = area_ / static_cast<double>(which_.size()),
+                 times = std::clamp(std::sqrt(usual / area(t)), 1.0, most);
+    return {f_, t.x, rule_, what_, mean * times, looks, std::max(1.0, share / times), may_sample};
+  }
+  /// Where proofs leave more than they are worth, what rules agree on is taken.
+  void sample_rest() {
+    const double mean = this->mean();
+    double open = 0;
+    for (const std::size_t k : open_) open += left(k);
+    if (open <= proved * mean * area_) return;
+    for_each_open(open_.size(), [&](std::size_t k, const Triangle& t) {
+      constexpr int few = 5;
+      if (looks_[k] < enough_) values_[k] = at(t, mean, std::max(few, looks_[k]), 0, true).run();
+      return true;
+    });
+  }
+  /// At those `count` with most of what is open.
+  void look(int looks, std::size_t count) {
+    const double mean = this->mean(), all = static_cast<double>(open_.size());
+    std::ranges::stable_sort(open_, std::greater(), [&](std::size_t k) { return left(k); });
+    for_each_open(count, [&](std::size_t k, const Triangle& t) {
       if (!f_.known() || is_curved(t)) {
         values_[k] = triangle_values(f_, t, rule_, largest_, what_);
         return true;
       }
-      const double small = std::max(1.0, std::sqrt(usual / area(t))), times = std::min(small, most);
-      TriangleIntegration of(f_, t.x, rule_, what_, mean * times, looks, small / times);
+      TriangleIntegration of = at(t, mean, looks, area_ / (area(t) * all), looks >= enough_);
+      looks_[k] = looks;
       values_[k] = of.run();
       size_[k] = of.seen();
       return of.is_settled();
@@ -470,7 +505,9 @@ class SharedLooks {
   std::vector<TriangleValues> values_;
   std::vector<Vec2> size_;  // the mean of |f| in each, as seen so far
   std::vector<std::size_t> open_;
+  std::vector<int> looks_;  // at each, so far
   double area_ = 0;
+  static constexpr int enough_ = 120;  // looks: what they do not prove more will not
 };
 
 }  // namespace
