@@ -9,6 +9,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace kerf {
 
 namespace {
@@ -22,6 +25,7 @@ class LevelSetRun {
  private:
   void begin();
   bool restore();
+  bool is_as_told(const Evaluated& e, const Iteration& row) const;
   bool show_new();
   bool make_curves(FinishedCurves& finished);
   bool descend(FinishedCurves& finished);
@@ -157,6 +161,17 @@ void LevelSetRun::save() const {
   keep(place_, std::move(c));
 }
 
+/// Whether the design, drawn and solved again, is the one of that row, up to what another machine may change.
+bool LevelSetRun::is_as_told(const Evaluated& e, const Iteration& row) const {
+  constexpr double digits = 1e-6;
+  const auto near = [](double a, double b, double unit) { return a == b || std::abs(a - b) <= digits * unit; };
+  const double share = e.area / ground_.whole, violation = violation_of(ground_.r, e.bounds, share);
+  return near(row.objective, e.J, std::abs(e.J)) && near(row.volume_fraction, share, 1) &&
+         near(row.violation, violation, 1 + violation) &&
+         std::ranges::equal(row.bounds, e.bounds,
+                            [&](double told, double here) { return near(told, here, std::abs(here)); });
+}
+
 bool LevelSetRun::restore() {
   if (!place_.resume || place_.path.empty()) return false;
   const std::optional<Checkpoint> c = read_checkpoint(place_.path);
@@ -173,6 +188,7 @@ bool LevelSetRun::restore() {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
     throw broken_checkpoint();
   }
+  if (!is_as_told(descent_->design(), last_taken(descent_->progress().rows))) throw broken_checkpoint();
   shown_ = descent_->progress().rows.size();
   return true;
 }
