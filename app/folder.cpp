@@ -46,14 +46,14 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
   return found;
 }
 
-/// Every run begins with a case.toml that says so in its first line.
+/// Every run begins with a case.toml that says so in its first comment.
 bool is_of_kerf(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_regular_file(fs::symlink_status(folder / "case.toml", none))) return false;
   std::ifstream in(folder / "case.toml");
-  std::string line;
-  std::getline(in, line);
-  return line.starts_with(fmt::format("# {}", head_of_results));
+  for (std::string line; std::getline(in, line) && line.starts_with('#');)
+    if (line.starts_with(fmt::format("# {}", head_of_results))) return true;
+  return false;
 }
 
 std::string names_of(const std::vector<fs::path>& files) {
