@@ -13,6 +13,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string_view>
@@ -130,7 +131,9 @@ int run_program(int (*work)(int argc, char** argv), int argc, char** argv) {
   } catch (const Error& e) {
     return report("", e.what(), e.fault);
   } catch (const std::filesystem::filesystem_error& e) {
-    return report("", e.what(), Fault::Files);
+    const char* path = e.path1().empty() ? "the folder for temporary files (TMPDIR)" : e.path1().c_str();
+    std::fprintf(stderr, "kerf: cannot use %s: %s\n", path, std::strerror(e.code().value()));
+    return code(static_cast<int>(Fault::Files));
   } catch (const Stopped&) {
     return report("", "stopped by a signal before it was done", Fault::Numerics);
   } catch (const std::bad_alloc&) {

@@ -132,6 +132,12 @@ TEST_F(ResultFolder, ResultsAndUnfinishedOptimizationsAskForForce) {
   EXPECT_EQ(kerf("solve a.toml -o out --force --quiet"), 0) << read("said");
 }
 
+TEST_F(ResultFolder, FaultsOfTheFileSystemAreSentences) {
+  write("a.toml", square);
+  EXPECT_EQ(run("TMPDIR=/nowhere '" KERF_PROGRAM "' solve a.toml --max-seconds 100"), 5);
+  EXPECT_EQ(read("said"), "kerf: cannot use the folder for temporary files (TMPDIR): No such file or directory\n");
+}
+
 // Titles and overrides stand in comments of what is written: they end no line of it.
 TEST_F(ResultFolder, TitlesWriteNoLines) {
   write("a.toml",
