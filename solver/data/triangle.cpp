@@ -160,7 +160,10 @@ class TriangleIntegration {
     f_.known() ? enclose(made) : sample(made);
     ++evaluations_;
     if (made.smooth) made.seen = made.area * (made.value.cwiseAbs() * made.rule->w);
-    if (cells_.empty()) scale_ = made.seen.maxCoeff();
+    if (!f_.known())
+      scale_ = std::max(scale_, made.area * made.value.cwiseAbs().maxCoeff());
+    else if (cells_.empty())
+      scale_ = made.seen.maxCoeff();
     return made;
   }
 
@@ -299,7 +302,7 @@ class TriangleIntegration {
     const int proofs = std::max(120, looks_ / 2);  // looks that wait for a proof
     bool waits = true, samples = false;
     for (;;) {
-      scale_ = seen().maxCoeff();
+      if (f_.known()) scale_ = seen().maxCoeff();
       if (waits && evaluations_ > proofs) {
         waits = false;
         samples = take_samples();
