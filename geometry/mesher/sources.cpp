@@ -21,26 +21,28 @@ double turn(const Vec2& in, const Vec2& out) {  // to the left, in (-pi, pi]
 void add_curved(const Drawing& drawing, const Strand& strand, const Sizing& sizing, std::vector<Source>& sources) {
   const Arc& arc = *strand.arc;
   const double size = sizing.size;
-  std::vector<Mat2> images{Mat2::Identity()};
-  images.insert(images.end(), sizing.images.begin(), sizing.images.end());
+  const double product = std::abs(determinant(arc));
   const auto wanted = [&](double s) {
     const Vec2 along = velocity(arc, arc.from + s * (arc.to - arc.from));
-    double least = infinity;
-    for (const Mat2& image : images)
-      least = std::min(least, (image * along).squaredNorm() / std::abs(image.determinant()));
-    return 2 * pi / 32 * along.norm() * least / std::abs(determinant(arc));
+    const double v = along.norm();
+    double least = 2 * pi / 32 * v * v * v / product;
+    for (const Mat2& image : sizing.images)
+      least =
+          std::min(least, 2 * pi / 32 * v * (image * along).squaredNorm() / (std::abs(image.determinant()) * product));
+    return least;
   };
   // Between the tips and flanks of an ellipse the curvature is monotone: the ends of a stretch know its extremes.
   const double quarter = pi / 2;
   const auto [low, high] = std::minmax(arc.from, arc.to);
   std::vector<double> breaks{0, 1};
-  for (const Mat2& image : images) {
-    const Mat2 axes = image * arc.axes;
+  const auto add_breaks = [&](const Mat2& axes) {
     const auto p = axes.col(0), q = axes.col(1);
     const double tip = std::atan2(-2 * p.dot(q), q.squaredNorm() - p.squaredNorm()) / 2;
     for (double t = tip + quarter * std::ceil((low - tip) / quarter); t < high; t += quarter)
       breaks.push_back((t - arc.from) / (arc.to - arc.from));
-  }
+  };
+  add_breaks(arc.axes);
+  for (const Mat2& image : sizing.images) add_breaks(image * arc.axes);
   std::sort(breaks.begin(), breaks.end());
   std::vector<std::array<double, 2>> open;
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) open.push_back({breaks[i], breaks[i + 1]});
