@@ -1,3 +1,5 @@
+// Tables and fields of a run as files: state, cracks, bounds, design, map and probes.
+
 #include "app/files.hpp"
 #include "io/design.hpp"
 #include "io/files.hpp"

@@ -64,20 +64,21 @@ std::string names_of(const std::vector<fs::path>& files) {
   return files.size() > most ? fmt::format("{} and {} more", text, files.size() - most) : text;
 }
 
-void require_none_of_others(const fs::path& folder) {
-  const std::vector<fs::path> found = results_in(folder, Leaving::Everything);
+/// The results of an earlier run. Throws where files of others have their names.
+std::vector<fs::path> own_results(const fs::path& folder, Leaving which) {
+  std::vector<fs::path> found = results_in(folder, Leaving::Everything);
   if (!found.empty() && !is_of_kerf(folder))
     throw Error(Fault::Files,
                 fmt::format("{} holds {}: results would have {}, and no run of kerf wrote what is there; "
                             "choose another folder with --output",
                             folder.string(), names_of(found), found.size() > 1 ? "these names" : "that name"));
+  return which == Leaving::Everything ? found : results_in(folder, which);
 }
 
 }  // namespace
 
 void remove_earlier_results(const fs::path& folder, bool resume) {
-  require_none_of_others(folder);
-  for (const fs::path& path : results_in(folder, resume ? Leaving::ForResume : Leaving::Everything)) {
+  for (const fs::path& path : own_results(folder, resume ? Leaving::ForResume : Leaving::Everything)) {
     std::error_code failed;
     fs::remove(path, failed);
     if (failed) throw Error(Fault::Files, fmt::format("cannot remove {}: {}", path.string(), failed.message()));
@@ -90,10 +91,9 @@ void claim_folder(const fs::path& folder, bool force, bool resume, FolderLock& l
   if (!fs::is_directory(folder, none))
     throw Error(Fault::Files, fmt::format("{} is not a folder; choose another with --output", folder.string()));
   lock.take(folder);
-  require_none_of_others(folder);
+  std::vector<fs::path> found = own_results(folder, Leaving::Everything);
   const bool ended = fs::exists(folder / "result.json", none), going = has_checkpoint(folder);
   if (force || (resume && (going || !ended))) return;
-  std::vector<fs::path> found = results_in(folder, Leaving::Everything);
   if (going && !ended)
     throw Error(Fault::Files, fmt::format("{} holds an optimization that has not ended; --resume goes on with it, "
                                           "--force begins anew",

@@ -1,3 +1,5 @@
+// Triangles, memory and seconds of a run, from trials on coarser meshes, and what the limits allow of them.
+
 #include "app/forecast.hpp"
 
 #include "app/margins.hpp"

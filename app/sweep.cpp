@@ -1,3 +1,5 @@
+// The runs of a sweep, what is known of each from its folder, and the table of them all.
+
 #include "app/sweep.hpp"
 
 #include "app/sweep_page.hpp"

@@ -1,3 +1,5 @@
+// The page of a sweep: numbers over the swept keys, pictures, failures, the table.
+
 #include "app/sweep_page.hpp"
 
 #include "io/files.hpp"

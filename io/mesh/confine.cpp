@@ -46,29 +46,21 @@ class Filter {
     add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1);
     add(BPF_RET | BPF_K, refused);
   }
-  /// When an argument has one of the flags. The lower half of it: little endian.
+  /// When an argument has one of the flags.
   void refuse_flags(unsigned call, unsigned argument, unsigned flags) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
-    load(static_cast<unsigned>(offsetof(seccomp_data, args)) + 8 * argument);
-    add(BPF_JMP | BPF_JSET | BPF_K, flags, 0, 1);
-    add(BPF_RET | BPF_K, refused);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    refuse_where(call, argument, BPF_JSET, flags, true);
   }
   /// Unless an argument has one of the flags.
   void refuse_without(unsigned call, unsigned argument, unsigned flags) {
-    add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
-    load(static_cast<unsigned>(offsetof(seccomp_data, args)) + 8 * argument);
-    add(BPF_JMP | BPF_JSET | BPF_K, flags, 1, 0);
-    add(BPF_RET | BPF_K, refused);
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    refuse_where(call, argument, BPF_JSET, flags, false);
   }
   /// When an argument is this number.
   void refuse_value(unsigned call, unsigned argument, unsigned value) {
-    compare(call, argument, value, 0, 1);
+    refuse_where(call, argument, BPF_JEQ, value, true);
   }
   /// When it is another one.
   void refuse_but(unsigned call, unsigned argument, unsigned value) {
-    compare(call, argument, value, 1, 0);
+    refuse_where(call, argument, BPF_JEQ, value, false);
   }
   /// As on systems that do not have the call: callers then take an older one.
   void hide(unsigned call) {
@@ -83,10 +75,11 @@ class Filter {
   }
 
  private:
-  void compare(unsigned call, unsigned argument, unsigned value, unsigned char equal, unsigned char other) {
+  /// Where a test of an argument holds, or does not. The lower half of it: little endian.
+  void refuse_where(unsigned call, unsigned argument, unsigned short test, unsigned value, bool holds) {
     add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
     load(static_cast<unsigned>(offsetof(seccomp_data, args)) + 8 * argument);
-    add(BPF_JMP | BPF_JEQ | BPF_K, value, equal, other);
+    add(static_cast<unsigned short>(BPF_JMP | test | BPF_K), value, holds ? 0 : 1, holds ? 1 : 0);
     add(BPF_RET | BPF_K, refused);
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
   }
@@ -171,9 +164,7 @@ void refuse_files(Filter& filter) {
 
 void stand_nowhere() {
   std::error_code none;
-  const std::string folder = std::filesystem::temp_directory_path(none) / "kerf-XXXXXX";
-  std::vector<char> name(folder.begin(), folder.end());
-  name.push_back('\0');
+  std::string name = (std::filesystem::temp_directory_path(none) / "kerf-XXXXXX").string();
   if (mkdtemp(name.data()) && chdir(name.data()) == 0) rmdir(name.data());
 }
 
