@@ -55,9 +55,8 @@ class Enclosure {
   virtual OnPiece along(const EdgeLine& edge, double from, double to) const = 0;
   /// Over the box x * y, away from boundaries: where a normal is asked for, the whole line.
   virtual std::array<Interval, 2> over(const Interval& x, const Interval& y) const = 0;
-  /// At least |d^order f(x + t h)/dt^order|/order! for all x in the box and all steps h = (dx, dy): what a polynomial
-  /// of degree order - 1 about the middle of the box leaves of f where the steps lead from there to all of it (Taylor's
-  /// remainder). `order` up to 8; infinite where it is not known.
+  /// At least the distance of each component from some polynomial of this degree, over the box x * y. `degree` up to 7;
+  /// infinite where it is not known.
   virtual std::array<double, 2> remainder(const Interval&, const Interval&, const Interval&, const Interval&,
                                           int) const {
     return {infinity, infinity};
