@@ -1,7 +1,7 @@
 #include "app/farm.hpp"
 
 #include "app/parts.hpp"
-#include "solver/packer.hpp"
+#include "base/packer.hpp"
 
 namespace kerf {
 

@@ -2,11 +2,11 @@
 // What the steps of a run share: where files go, how phases are announced and timed, which pictures there are.
 
 #include "app/writer.hpp"
+#include "base/stopwatch.hpp"
 #include "io/arrays.hpp"
 #include "io/files.hpp"
 #include "io/result.hpp"
 #include "plot/picture.hpp"
-#include "solver/stopwatch.hpp"
 
 namespace kerf {
 

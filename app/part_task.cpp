@@ -2,7 +2,7 @@
 
 #include "app/part_task.hpp"
 
-#include "solver/packer.hpp"
+#include "base/packer.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,6 +1,7 @@
 #include "app/ranks.hpp"
 
 #include "app/petsc_module.hpp"
+#include "base/kept_memory.hpp"
 #include "io/module.hpp"
 #include "solver/factor.hpp"
 

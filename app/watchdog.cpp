@@ -1,8 +1,8 @@
 #include "app/watchdog.hpp"
 
+#include "base/stopwatch.hpp"
 #include "kerf/stop.hpp"
 #include "kerf/types.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

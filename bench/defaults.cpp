@@ -1,12 +1,12 @@
 #include "bench/defaults.hpp"
 
 #include "app/run.hpp"
+#include "base/stopwatch.hpp"
 #include "bench/verify/manual.hpp"
 #include "bench/verify/records.hpp"
 #include "io/document.hpp"
 #include "io/files.hpp"
 #include "kerf/stop.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
 

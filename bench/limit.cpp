@@ -1,5 +1,6 @@
 #include "bench/limit.hpp"
 
+#include "base/stopwatch.hpp"
 #include "bench/map_measure.hpp"
 #include "bench/records.hpp"
 #include "kerf/adaptive.hpp"
@@ -8,7 +9,6 @@
 #include "kerf/recover.hpp"
 #include "plot/chart.hpp"
 #include "solver/factor.hpp"
-#include "solver/stopwatch.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/format.h>

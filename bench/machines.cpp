@@ -1,11 +1,11 @@
 #include "bench/machines.hpp"
 
 #include "app/ranks.hpp"
+#include "base/stopwatch.hpp"
 #include "bench/records.hpp"
 #include "bench/shell.hpp"
 #include "kerf/mesher.hpp"
 #include "plot/chart.hpp"
-#include "solver/stopwatch.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/format.h>

@@ -1,10 +1,10 @@
 #include "bench/map.hpp"
 
+#include "base/stopwatch.hpp"
 #include "bench/plots.hpp"
 #include "bench/records.hpp"
 #include "bench/state.hpp"
 #include "kerf/stop.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
 

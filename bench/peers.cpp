@@ -1,12 +1,12 @@
 #include "bench/peers.hpp"
 
+#include "base/stopwatch.hpp"
 #include "bench/peer_scripts.hpp"
 #include "bench/problem.hpp"
 #include "bench/records.hpp"
 #include "bench/shell.hpp"
 #include "io/files.hpp"
 #include "kerf/stop.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "bench/state.hpp"
 
+#include "base/stopwatch.hpp"
 #include "bench/plots.hpp"
 #include "bench/records.hpp"
 #include "kerf/stop.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
 

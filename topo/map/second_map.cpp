@@ -1,6 +1,6 @@
 #include "topo/map/second_map.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 #include "solver/system.hpp"
 #include "topo/map/green_samples.hpp"
 #include "topo/map/mask.hpp"

@@ -1,4 +1,4 @@
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 
 namespace kerf {
 

@@ -20,6 +20,9 @@ class KeptMemory {
 /// Whether one lives.
 bool keeps_memory();
 
+/// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
+void return_freed_memory();
+
 /// Doubles without values, for the few largest blocks of a design: while memory is kept those that are gone serve again
 /// where they are large enough. What lies between would otherwise be cut up by small blocks, and its pages made anew.
 class KeptBlock {

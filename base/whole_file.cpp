@@ -1,4 +1,4 @@
-#include "geometry/whole_file.hpp"
+#include "base/whole_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

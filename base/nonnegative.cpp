@@ -1,4 +1,4 @@
-#include "solver/nonnegative.hpp"
+#include "base/nonnegative.hpp"
 
 #include "base/dense.hpp"
 

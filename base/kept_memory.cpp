@@ -1,6 +1,4 @@
-#include "solver/kept_memory.hpp"
-
-#include "solver/factor.hpp"
+#include "base/kept_memory.hpp"
 
 #include <limits>
 #include <mutex>
@@ -53,6 +51,12 @@ KeptMemory::~KeptMemory() {
 bool keeps_memory() {
   const std::scoped_lock lock(mutex);
   return alive > 0;
+}
+
+void return_freed_memory() {
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)  // whose memory is none of the C library's
+  malloc_trim(0);
+#endif
 }
 
 KeptBlock::KeptBlock(std::size_t size) {

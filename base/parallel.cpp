@@ -1,4 +1,4 @@
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <algorithm>
 #include <exception>

@@ -1,4 +1,4 @@
-#include "geometry/address_space.hpp"
+#include "base/address_space.hpp"
 
 #include <sys/mman.h>
 

@@ -1,4 +1,4 @@
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 
 #include <cmath>
 #include <initializer_list>
