@@ -1,3 +1,4 @@
+#include "base/kept_memory.hpp"
 #include "optimize/checkpoint_reader.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/end.hpp"
@@ -5,7 +6,6 @@
 #include "optimize/level_set/starts.hpp"
 #include "optimize/load_cases.hpp"
 #include "optimize/refuse.hpp"
-#include "solver/kept_memory.hpp"
 
 #include <fmt/core.h>
 

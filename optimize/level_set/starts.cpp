@@ -1,10 +1,10 @@
 #include "optimize/level_set/starts.hpp"
 
+#include "base/parallel.hpp"
 #include "geometry/plane.hpp"
 #include "optimize/density/density.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/start.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 

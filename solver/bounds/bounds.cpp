@@ -5,13 +5,13 @@
 #include "solver/shared_bounds.hpp"
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/curved.hpp"
 #include "solver/bounds/faces.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
 #include "solver/bounds/triangle_bounds.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>

@@ -4,9 +4,9 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
 #include "kerf/recover.hpp"
 #include "solver/bounds/right_inverse.hpp"
-#include "solver/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,9 +7,9 @@
 
 #include "solver/system.hpp"
 
+#include "base/stopwatch.hpp"
 #include "solver/lone_cracks.hpp"
 #include "solver/saddle_point.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
 

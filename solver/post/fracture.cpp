@@ -15,9 +15,9 @@
 
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/recover.hpp"
 #include "solver/data/near_tip.hpp"
-#include "solver/parallel.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/post/orthotropic_tip.hpp"
 #include "solver/post/polynomial_state.hpp"

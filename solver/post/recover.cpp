@@ -4,8 +4,8 @@
 
 #include "solver/system.hpp"
 
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 
 #include <Eigen/Cholesky>
 

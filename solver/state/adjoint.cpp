@@ -1,8 +1,8 @@
 #include "kerf/adjoint.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
 #include "kerf/recover.hpp"
-#include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/half_solved.hpp"

@@ -1,9 +1,9 @@
 #include "kerf/model.hpp"
 
+#include "base/kept_memory.hpp"
 #include "geometry/adapt.hpp"
 #include "geometry/topology.hpp"
 #include "solver/history.hpp"
-#include "solver/kept_memory.hpp"
 #include "solver/moved.hpp"
 #include "solver/spread.hpp"
 #include "solver/state/guess.hpp"
@@ -13,8 +13,8 @@
 #include "solver/system/parted.hpp"
 #include "solver/system/rounded.hpp"
 
-#include "solver/parallel.hpp"
-#include "solver/stopwatch.hpp"
+#include "base/parallel.hpp"
+#include "base/stopwatch.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>

@@ -1,6 +1,6 @@
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
 #include "solver/contact/gmres.hpp"
-#include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/shared_body.hpp"
 

@@ -1,6 +1,6 @@
 #include "solver/system/alike.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <algorithm>
 #include <bit>

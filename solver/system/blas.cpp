@@ -1,6 +1,6 @@
 #include "solver/system/blas.hpp"
 
-#include "geometry/address_space.hpp"
+#include "base/address_space.hpp"
 
 #include <dlfcn.h>
 

@@ -1,6 +1,6 @@
 #include "solver/system/elementwise.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <cmath>
 

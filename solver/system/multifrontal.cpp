@@ -1,7 +1,7 @@
 #include "solver/system/multifrontal.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/stop.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system/front_kernels.hpp"
 #include "solver/system/spares.hpp"
 

@@ -1,9 +1,9 @@
 #include "solver/system/standing.hpp"
 
 #include "base/dense.hpp"
+#include "base/nonnegative.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
-#include "solver/nonnegative.hpp"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 // Substitutions with the fronts' panels [theory: E.29].
 
+#include "base/parallel.hpp"
 #include "kerf/stop.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system/multifrontal.hpp"
 #include "solver/system/spares.hpp"
 

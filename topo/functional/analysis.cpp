@@ -325,6 +325,25 @@ WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, Measure
           .measured = std::move(measured)};
 }
 
+namespace {
+
+/// The energy of the body that is held as measured, less that of the body under its loads; a takes its model and state.
+double misfit(const Term& term, const Model& model, const Field& state, const WholeBody& body, Analysis& a) {
+  if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
+  auto [other, solved] = body.measured(*term.measured);
+  if (!certified(*solved))
+    throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
+  const double value =
+      potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
+  a.energy_share -= term.factor;
+  a.measured_share += term.factor;
+  a.measured_model = std::move(other);
+  a.measured = std::move(solved);
+  return value;
+}
+
+}  // namespace
+
 Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only) {
   Analysis a{.model = &model, .state = &state};
   require_known_loads(j, model);
@@ -344,16 +363,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
     double value = 0;
     Sensitivity by_state;
     if (term.measured) {
-      if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
-      auto [other, solved] = body.measured(*term.measured);
-      if (!certified(*solved))
-        throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
-      value =
-          potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
-      a.energy_share -= term.factor;
-      a.measured_share += term.factor;
-      a.measured_model = std::move(other);
-      a.measured = std::move(solved);
+      value = misfit(term, model, state, body, a);
     } else if (differentiates) {
       Differentiated both = differentiated(term, model, state);
       value = both.value;

@@ -4,9 +4,9 @@
 
 #include "topo/map/fields.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/map.hpp"
 #include "kerf/recover.hpp"
-#include "solver/parallel.hpp"
 #include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/map/green_of_body.hpp"
