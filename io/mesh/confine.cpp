@@ -94,7 +94,7 @@ void allow_computing(Filter& filter) {
   for (const unsigned call : {
          __NR_read, __NR_pread64, __NR_readv, __NR_preadv, __NR_write, __NR_pwrite64, __NR_writev, __NR_pwritev,
              __NR_lseek, __NR_close, __NR_fstat, __NR_newfstatat, __NR_statx, __NR_statfs, __NR_fstatfs, __NR_faccessat,
-             __NR_readlinkat, __NR_getdents64, __NR_getcwd, __NR_dup, __NR_dup3, __NR_fcntl, __NR_fadvise64, __NR_fsync,
+             __NR_readlinkat, __NR_getdents64, __NR_getcwd, __NR_dup, __NR_dup3, __NR_fadvise64, __NR_fsync,
              __NR_fdatasync, __NR_ppoll, __NR_brk, __NR_mmap, __NR_munmap, __NR_mremap, __NR_mprotect, __NR_madvise,
              __NR_futex, __NR_set_robust_list, __NR_get_robust_list, __NR_membarrier, __NR_set_tid_address,
              __NR_sched_yield, __NR_sched_getaffinity, __NR_sched_setaffinity, __NR_sched_getparam,
@@ -119,8 +119,7 @@ void allow_computing(Filter& filter) {
   filter.hide(__NR_clone3);                                             // its flags lie where a filter cannot read
   filter.allow_value(__NR_tgkill, 0, static_cast<unsigned>(getpid()));  // abort is
   filter.allow_value(__NR_ioctl, 1, TCGETS);                            // is it a terminal?
-  constexpr unsigned limits_are_set = 2;                                // prlimit64: null, then nothing is set
-  filter.allow_value(__NR_prlimit64, limits_are_set, 0);
+  filter.allow_value(__NR_prlimit64, 0, 0);                             // its own stack
   for (const unsigned wanted : {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL})
     filter.allow_value(__NR_fcntl, 1, wanted);
   for (const unsigned option : {PR_SET_NAME, PR_GET_NAME, PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP})
