@@ -74,7 +74,7 @@ Undivided undivided(const Case& c, const std::shared_ptr<const Mesh>& given, con
   const int threads = journal.options.threads;
   Undivided u;
   Mesh mesh;
-  if (may_touch(c.scene)) {
+  if (has_contact(c.scene)) {
     Adapted a = solve_graded(c.shape, c.sizing, c.element, c.scene,
                              {.contact = c.contact, .estimate = false, .threads = threads, .given = given});
     u.contact = contact_guess(a.model, a.state);
@@ -308,7 +308,7 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
   for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
   for (const std::string& note : notes_on_contact(r.cracks, contact)) s.notes.push_back(note);
-  if (may_touch(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
+  if (has_contact(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
   r.functional = functional_result(c.functional, found.functional);
   found.functional.model = &coarse;  // no process has that of the whole
   for (const std::string& note : notes_on(c.functional, found.functional, c.shape, r.cracks)) s.notes.push_back(note);

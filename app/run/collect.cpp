@@ -109,7 +109,7 @@ std::vector<CrackPoint> settled(std::vector<CrackPoint> profile, const CrackEnds
 
 CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& of,
                          const std::vector<double>& slip, const CrackEnds& ends) {
-  const bool touches = law.kind == CrackLaw::Kind::Unilateral;
+  const bool touches = is_unilateral(law);
   const std::vector<CrackPoint> profile = touches ? settled(of, ends) : of;
   CrackResult r;
   r.name = name;
@@ -127,7 +127,7 @@ CrackResult crack_result(const std::string& name, const CrackLaw& law, const std
   if (has_pressure(law)) r.fluid_pressure = most;
   r.has_gap = has_gap(law);
   r.transitions = transitions(profile, slip, law);
-  if (law.kind != CrackLaw::Kind::Unilateral) r.open_length = r.closed_length = r.biactive_length = 0;
+  if (!is_unilateral(law)) r.open_length = r.closed_length = r.biactive_length = 0;
   return r;
 }
 

@@ -41,7 +41,7 @@ LoadCaseResult row_of(const LoadCase& load_case, const StateResult& s) {
 
 /// Whether the mesh of one load case is that of all, and a solution of one is by the factor of any.
 bool shares_factor(const Case& c) {
-  return !may_touch(c.scene) && !c.adapt && c.backend == Backend::Cholmod;
+  return !has_contact(c.scene) && !c.adapt && c.backend == Backend::Cholmod;
 }
 
 /// `alone`: as in add_load_cases.

@@ -78,7 +78,7 @@ void fit_readings(const OptimizeTask& task, const OptimizeRequest& request, cons
   try {
     out.fit = least_squares(task.problem, request, r.variables, task.readings);
   } catch (const Error& e) {
-    if (e.fault != Fault::Geometry && e.fault != Fault::Numerics) throw;
+    if (!of_one_body(e)) throw;
     r.notes.push_back(fmt::format("the readings could not be fitted: {}", e.what()));
     return;
   }

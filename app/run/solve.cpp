@@ -17,11 +17,6 @@
 
 namespace kerf {
 
-bool may_touch(const Scene& scene) {
-  return std::any_of(scene.laws.begin(), scene.laws.end(),
-                     [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-}
-
 namespace {
 
 /// "the gap in a crack" of one with a name.
@@ -241,7 +236,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet
                              : model.inner->standing.empty() ? c.contact
                                                              : ContactMethod::DualQp;
-  if (may_touch(model.scene)) s.contact = contact_result(state, used, s.cracks);
+  if (has_contact(model.scene)) s.contact = contact_result(state, used, s.cracks);
   return s;
 }
 
@@ -260,7 +255,7 @@ std::string failure(const Model& model, const State& state) {
       !state.converged ? "the contact set did not settle"
       : c.kkt > no_digits
           ? fmt::format("the {} hold only to {:.2g} of the load",
-                        may_touch(model.scene) ? "conditions of equilibrium and contact" : "equations of equilibrium",
+                        has_contact(model.scene) ? "conditions of equilibrium and contact" : "equations of equilibrium",
                         c.kkt)
           : fmt::format("the work of the loads is twice the strain energy only to {:.2g}", c.work);
   if (!model.inner->skeleton.unseen.empty())

@@ -18,9 +18,6 @@ struct Body {
   const Element& element;
 };
 
-/// Whether faces of a crack may touch.
-bool may_touch(const Scene& scene);
-
 /// Why no guarantee stands on the data of the body: they are sampled at points; empty: it does.
 std::string sampled_note(const Model& model);
 /// Data that the rules of the solver do not resolve: what, where, in words.

@@ -91,7 +91,7 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
     }
     ranked = {true, d.keeps_bounds(d.design()), d.merit(), d.progress().solves};
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
   }
   return ranked;
 }

@@ -316,7 +316,7 @@ std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
-    if (m.scene.laws[crack].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[crack])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, state, static_cast<Index>(crack));
     std::size_t point = 0;
     for (const CrackEdge& c : m.mesh.cracks[crack]) {

@@ -116,7 +116,7 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
   Vec2 at = Vec2::Zero();
   Index edges = 0;
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
-    if (scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+    if (is_unilateral(scene.laws[c]))
       for (const CrackEdge& crack_edge : mesh.cracks[c]) {
         const double size = length(mesh, crack_edge.edge);
         const auto& [a, b] = mesh.edges[crack_edge.edge];

@@ -91,7 +91,7 @@ struct FaceUnknowns {
 FaceUnknowns face_unknowns(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
   FaceUnknowns f;
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c) {
-    if (scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(scene.laws[c])) continue;
     for (const CrackEdge& edge : mesh.cracks[c])
       for (int i = 0; i < s.per_edge; ++i) {
         const Index u = s.jump[edge.edge] + i;

@@ -55,7 +55,7 @@ double along(const Model& m, const Sensitivity& d, const Field& s) {
 double length_of(const Model& m, const Field& s) {
   double length = 0;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
-    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[c])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, s, static_cast<Index>(c));
     const std::vector<CrackEdge>& path = m.mesh.cracks[c];
     const std::size_t each = path.empty() ? 1 : profile.size() / path.size();
@@ -354,9 +354,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
   };
   const bool friction = has_frictional_cracks(model.scene);
   if (friction && !value_only) require_friction_decided(j, model, state, body);
-  if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
-                  [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
-    a.biactive_length = summed(length_of(model, state));
+  if (has_contact(model.scene)) a.biactive_length = summed(length_of(model, state));
   const bool self_adjoint_work = summed(has_self_adjoint_work(model) ? 0 : 1) == 0;
   for (const Term& term : j.terms) {
     const bool differentiates = !value_only && !term.measured && !term.energy && !(term.work && self_adjoint_work);
