@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <type_traits>
 
 namespace kerf {
 
@@ -87,55 +88,39 @@ Json contact_section(const ContactRow& r) {
           {"refused", r.refused}};
 }
 
+/// Visits name and member, to write or to read.
+template <typename Row, typename Visit>
+void machine_fields(Row& r, Visit&& visit) {
+  visit("family", r.family), visit("parts", r.parts), visit("element", r.element), visit("degree", r.degree);
+  visit("poisson", r.poisson), visit("contrast", r.contrast), visit("cracks", r.cracks), visit("across", r.across);
+  visit("triangles", r.triangles), visit("unknowns", r.unknowns), visit("iterations", r.iterations);
+  visit("condition", r.condition), visit("interface_unknowns", r.interface_unknowns);
+  visit("primal_unknowns", r.primal_unknowns), visit("bytes_per_iteration", r.sent), visit("first_mb", r.first_mb);
+  visit("others_mb", r.others_mb), visit("parts_s", r.parts_s), visit("iterate_s", r.iterate_s);
+  visit("factor_s", r.factor_s), visit("off", r.off), visit("refused", r.refused);
+}
+
 Json machine_section(const MachineRow& r) {
-  return {{"family", r.family},
-          {"parts", r.parts},
-          {"element", r.element},
-          {"degree", r.degree},
-          {"poisson", r.poisson},
-          {"contrast", r.contrast},
-          {"cracks", r.cracks},
-          {"across", number(r.across)},
-          {"triangles", r.triangles},
-          {"unknowns", r.unknowns},
-          {"iterations", r.iterations},
-          {"condition", number(r.condition)},
-          {"interface_unknowns", r.interface_unknowns},
-          {"primal_unknowns", r.primal_unknowns},
-          {"bytes_per_iteration", number(r.sent)},
-          {"first_mb", number(r.first_mb)},
-          {"others_mb", number(r.others_mb)},
-          {"parts_s", number(r.parts_s)},
-          {"iterate_s", number(r.iterate_s)},
-          {"factor_s", number(r.factor_s)},
-          {"off", number(r.off)},
-          {"refused", r.refused}};
+  Json out;
+  machine_fields(r, [&](const char* name, const auto& value) {
+    if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>)
+      out[name] = number(value);
+    else
+      out[name] = value;
+  });
+  return out;
 }
 
 MachineRow machine_row(const Json& from) {
-  const auto real = [&from](const char* name) { return from[name].is_number() ? from[name].get<double>() : nan; };
-  return {.family = from["family"],
-          .parts = from["parts"],
-          .element = from["element"],
-          .degree = from["degree"],
-          .poisson = from["poisson"],
-          .contrast = from["contrast"],
-          .cracks = from["cracks"],
-          .across = real("across"),
-          .triangles = from["triangles"],
-          .unknowns = from["unknowns"],
-          .iterations = from["iterations"],
-          .condition = real("condition"),
-          .interface_unknowns = from["interface_unknowns"],
-          .primal_unknowns = from["primal_unknowns"],
-          .sent = real("bytes_per_iteration"),
-          .first_mb = real("first_mb"),
-          .others_mb = real("others_mb"),
-          .parts_s = real("parts_s"),
-          .iterate_s = real("iterate_s"),
-          .factor_s = real("factor_s"),
-          .off = real("off"),
-          .refused = from["refused"]};
+  MachineRow r;
+  machine_fields(r, [&](const char* name, auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_floating_point_v<Value>)
+      value = from[name].is_number() ? from[name].get<double>() : nan;
+    else
+      value = from[name].get<Value>();
+  });
+  return r;
 }
 
 Json second_section(const SecondTermRow& r) {
@@ -334,6 +319,30 @@ std::string csv(const Json& empty, const std::vector<Json>& rows) {
   return out;
 }
 
+template <typename Row>
+void write_rows(const std::filesystem::path& path, const std::vector<Row>& rows, Json (*section)(const Row&)) {
+  std::vector<Json> cells;
+  for (const Row& row : rows) cells.push_back(section(row));
+  write_file(path, csv(section({}), cells));
+}
+
+/// An array of sections.
+template <typename Row>
+Json all_of(const std::vector<Row>& rows, Json (*section)(const Row&)) {
+  Json out = Json::array();
+  for (const Row& row : rows) out.push_back(section(row));
+  return out;
+}
+
+/// How every record begins.
+Json record(const char* bench, bool stopped, bool failed = false) {
+  return {{"schema", 1}, {"bench", bench}, {"status", stopped ? "stopped" : failed ? "failed" : "ok"}};
+}
+
+void write_record(const std::filesystem::path& path, const Json& out) {
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
 const char* word(TimeTo::Kind kind) {
   switch (kind) {
     case TimeTo::Kind::Interpolated:
@@ -386,13 +395,12 @@ Json peer_section(const PeerRun& p) {
 }  // namespace
 
 void write_state_csv(const std::filesystem::path& path, const StateBench& bench) {
-  std::vector<Json> rows;
-  for (const StateMeasurement& m : bench.runs) rows.push_back(run_section(m));
-  write_file(path, csv(run_section({}), rows));
+  write_rows(path, bench.runs, run_section);
 }
 
 void write_state_json(const std::filesystem::path& path, const StateBench& bench) {
-  Json out = {{"schema", 1}, {"bench", "state"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  Json out = record("state", bench.stopped);
+  out["threads"] = 1;
   out["references"] = Json::array();
   for (const ReferenceUsed& r : bench.references)
     out["references"].push_back({{"case", r.problem},
@@ -401,8 +409,7 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
                                  {"strain_energy", number(r.strain_energy)},
                                  {"known_energy", r.known_energy > 0 ? Json(r.known_energy) : Json(nullptr)},
                                  {"estimated_stress_error", number(r.error)}});
-  out["runs"] = Json::array();
-  for (const StateMeasurement& m : bench.runs) out["runs"].push_back(run_section(m));
+  out["runs"] = all_of(bench.runs, run_section);
   out["fastest"] = fastest_section(bench.best);
   out["peers"] = Json::array();
   for (const PeerRun& p : bench.peers) {
@@ -413,7 +420,7 @@ void write_state_json(const std::filesystem::path& path, const StateBench& bench
   out["fastest_peers"] = fastest_section(bench.best_peers);
   out["ratios"] = ratio_section(bench.best, bench.best_peers);
   out["notes"] = bench.notes;
-  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  write_record(path, out);
 }
 
 void write_map_csv(const std::filesystem::path& path, const MapBench& bench) {
@@ -424,57 +431,38 @@ void write_map_csv(const std::filesystem::path& path, const MapBench& bench) {
 }
 
 void write_validation_csv(const std::filesystem::path& path, const MapBench& bench) {
-  std::vector<Json> rows;
-  for (const ValidationMeasurement& v : bench.validations) rows.push_back(validation_section(v));
-  write_file(path, csv(validation_section({}), rows));
+  write_rows(path, bench.validations, validation_section);
 }
 
 void write_hard_csv(const std::filesystem::path& path, const HardBench& bench) {
-  std::vector<Json> rows;
-  for (const HardRow& r : bench.rows) rows.push_back(hard_section(r));
-  write_file(path, csv(hard_section({}), rows));
+  write_rows(path, bench.rows, hard_section);
 }
 
 void write_contact_csv(const std::filesystem::path& path, const ContactBench& bench) {
-  std::vector<Json> rows;
-  for (const ContactRow& r : bench.rows) rows.push_back(contact_section(r));
-  write_file(path, csv(contact_section({}), rows));
+  write_rows(path, bench.rows, contact_section);
 }
 
 void write_contact_json(const std::filesystem::path& path, const ContactBench& bench) {
-  Json out = {{"schema", 1},
-              {"bench", "contact"},
-              {"status", bench.stopped ? "stopped" : "ok"},
-              {"quick", bench.quick},
-              {"rows", Json::array()}};
-  for (const ContactRow& r : bench.rows) out["rows"].push_back(contact_section(r));
-  write_file(path, out.dump(2) + "\n");
+  Json out = record("contact", bench.stopped);
+  out["quick"] = bench.quick;
+  out["rows"] = all_of(bench.rows, contact_section);
+  write_record(path, out);
 }
 
 void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench) {
-  std::vector<Json> rows;
-  for (const ProofRow& r : bench.rows) rows.push_back(proof_section(r));
-  write_file(path, csv(proof_section({}), rows));
+  write_rows(path, bench.rows, proof_section);
 }
 
 void write_second_terms_csv(const std::filesystem::path& path, const ProofBench& bench) {
-  std::vector<Json> rows;
-  for (const SecondTermRow& r : bench.second) rows.push_back(second_section(r));
-  write_file(path, csv(second_section({}), rows));
+  write_rows(path, bench.second, second_section);
 }
 
 void write_proof_json(const std::filesystem::path& path, const ProofBench& bench) {
-  Json out = {{"schema", 1},
-              {"bench", "proof"},
-              {"status", bench.stopped         ? "stopped"
-                         : failures(bench) > 0 ? "failed"
-                                               : "ok"},
-              {"quick", bench.quick},
-              {"rows", Json::array()}};
-  for (const ProofRow& r : bench.rows) out["rows"].push_back(proof_section(r));
-  out["second_terms"] = Json::array();
-  for (const SecondTermRow& r : bench.second) out["second_terms"].push_back(second_section(r));
-  write_file(path, out.dump(2) + "\n");
+  Json out = record("proof", bench.stopped, failures(bench) > 0);
+  out["quick"] = bench.quick;
+  out["rows"] = all_of(bench.rows, proof_section);
+  out["second_terms"] = all_of(bench.second, second_section);
+  write_record(path, out);
 }
 
 void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench) {
@@ -486,28 +474,23 @@ void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench)
 
 void write_limit_json(const std::filesystem::path& path, const LimitBench& bench) {
   const auto memory = [](const LimitRow& r) { return r.memory_mb - r.before_mb; };
-  Json out = {
-      {"schema", 1},
-      {"bench", "limit"},
-      {"status", bench.stopped ? "stopped" : "ok"},
-      {"time_grows_like", {number(growth(bench, 1, &LimitRow::wall)), number(growth(bench, 2, &LimitRow::wall))}},
-      {"memory_grows_like", number(growth(bench, 1, memory))},
-      {"rows", Json::array()}};
-  for (const LimitRow& r : bench.rows) out["rows"].push_back(limit_section(r));
-  write_file(path, out.dump(2) + "\n");
+  Json out = record("limit", bench.stopped);
+  out["time_grows_like"] = {number(growth(bench, 1, &LimitRow::wall)), number(growth(bench, 2, &LimitRow::wall))};
+  out["memory_grows_like"] = number(growth(bench, 1, memory));
+  out["rows"] = all_of(bench.rows, limit_section);
+  write_record(path, out);
 }
 
 void write_machines_csv(const std::filesystem::path& path, const MachineBench& bench) {
-  std::vector<Json> rows;
-  for (const MachineRow& r : bench.rows) rows.push_back(machine_section(r));
-  write_file(path, csv(machine_section({}), rows));
+  write_rows(path, bench.rows, machine_section);
 }
 
 void write_machines_json(const std::filesystem::path& path, const MachineBench& bench) {
-  Json out = {{"schema", 1},          {"bench", "machines"},  {"status", bench.stopped ? "stopped" : "ok"},
-              {"quick", bench.quick}, {"notes", bench.notes}, {"rows", Json::array()}};
-  for (const MachineRow& r : bench.rows) out["rows"].push_back(machine_section(r));
-  write_file(path, out.dump(2) + "\n");
+  Json out = record("machines", bench.stopped);
+  out["quick"] = bench.quick;
+  out["notes"] = bench.notes;
+  out["rows"] = all_of(bench.rows, machine_section);
+  write_record(path, out);
 }
 
 std::vector<MachineRow> read_machines_json(const std::filesystem::path& path) {
@@ -520,27 +503,18 @@ std::vector<MachineRow> read_machines_json(const std::filesystem::path& path) {
 }
 
 void write_hard_json(const std::filesystem::path& path, const HardBench& bench) {
-  Json out = {{"schema", 1},
-              {"bench", "hard"},
-              {"status", bench.stopped         ? "stopped"
-                         : failures(bench) > 0 ? "failed"
-                                               : "ok"},
-              {"quick", bench.quick},
-              {"rows", Json::array()}};
-  for (const HardRow& r : bench.rows) out["rows"].push_back(hard_section(r));
-  write_file(path, out.dump(2) + "\n");
+  Json out = record("hard", bench.stopped, failures(bench) > 0);
+  out["quick"] = bench.quick;
+  out["rows"] = all_of(bench.rows, hard_section);
+  write_record(path, out);
 }
 
 void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
-  Json out = {{"schema", 1}, {"bench", "map"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
-  const auto list = [&](const char* name, const std::vector<MapMeasurement>& runs) {
-    out[name] = Json::array();
-    for (const MapMeasurement& m : runs) out[name].push_back(map_section(m));
-  };
-  list("sequences", bench.sequences);
-  list("sizes", bench.sizes);
-  out["validations"] = Json::array();
-  for (const ValidationMeasurement& v : bench.validations) out["validations"].push_back(validation_section(v));
+  Json out = record("map", bench.stopped);
+  out["threads"] = 1;
+  out["sequences"] = all_of(bench.sequences, map_section);
+  out["sizes"] = all_of(bench.sizes, map_section);
+  out["validations"] = all_of(bench.validations, validation_section);
   out["fastest"] = fastest_section(bench.best);
   out["peers"] = Json::array();
   for (const PeerRun& p : bench.peers) {
@@ -554,7 +528,7 @@ void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
   out["fastest_peers"] = fastest_section(bench.best_peers);
   out["ratios"] = ratio_section(bench.best, bench.best_peers);
   out["notes"] = bench.notes;
-  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  write_record(path, out);
 }
 
 void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
@@ -577,10 +551,10 @@ void write_optimize_spread_csv(const std::filesystem::path& path, const Optimize
 }
 
 void write_optimize_json(const std::filesystem::path& path, const OptimizeBench& bench) {
-  Json out = {{"schema", 1}, {"bench", "optimize"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  Json out = record("optimize", bench.stopped);
+  out["threads"] = 1;
   out["runs"] = design_sections(bench);
-  out["spreads"] = Json::array();
-  for (const Spread& spread : bench.spreads) out["spreads"].push_back(spread_section(spread));
+  out["spreads"] = all_of(bench.spreads, spread_section);
   out["published"] = {{"least_objective", published.least_value},
                       {"most_objective", published.most_value},
                       {"fewest_state_solves", published.fewest_solves},
@@ -598,7 +572,7 @@ void write_optimize_json(const std::filesystem::path& path, const OptimizeBench&
                              {"failed", r.failures}, {"cpu_s", r.seconds}, {"slowest_s", r.slowest}};
   }
   out["notes"] = bench.notes;
-  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  write_record(path, out);
 }
 
 std::string last_line(const std::string& output) {

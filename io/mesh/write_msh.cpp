@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 namespace kerf {
 
@@ -175,7 +176,8 @@ class Writer {
     for (const Vec2& x : nodes_) print("{:.17g} {:.17g} 0\n", x.x(), x.y());
     print("$EndNodes\n");
     const auto line_group = [&](std::size_t i) { return cells_.lines[i].group; };
-    const auto triangle_group = [&](std::size_t i) { return cells_.of_triangle[i]; };
+    const std::vector<std::size_t> triangles = by_surface();
+    const auto triangle_group = [&](std::size_t i) { return cells_.of_triangle[triangles[i]]; };
     std::size_t blocks = 0, tag = 0;
     const auto count = [&](std::size_t, std::size_t, Index) { ++blocks; };
     each_run(cells_.lines.size(), line_group, count);
@@ -188,9 +190,20 @@ class Writer {
     });
     each_run(mesh_.triangles.size(), triangle_group, [&](std::size_t from, std::size_t to, Index group) {
       print("2 {} {} {}\n", group + 1, triangle_type(), to - from);
-      for (std::size_t i = from; i < to; ++i) print("{} {}\n", ++tag, fmt::join(nodes_on(i), " "));
+      for (std::size_t i = from; i < to; ++i) print("{} {}\n", ++tag, fmt::join(nodes_on(triangles[i]), " "));
     });
     print("$EndElements\n");
+  }
+
+  /// The triangles, those of a surface behind one another: a block each, as gmsh writes them. Surfaces come as the mesh
+  /// has them first, so that a file read and written again keeps its order.
+  std::vector<std::size_t> by_surface() const {
+    std::vector<std::size_t> first(cells_.groups.size(), mesh_.triangles.size()), order(mesh_.triangles.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto place = [&](std::size_t t) -> std::size_t& { return first[std::size_t(cells_.of_triangle[t])]; };
+    for (const std::size_t t : order) place(t) = std::min(place(t), t);
+    std::ranges::stable_sort(order, {}, place);
+    return order;
   }
 
   /// Each group is one curve or surface, in the box of the body.

@@ -26,7 +26,7 @@ Eigen::MatrixXd to_moments(const EdgeRule& trace) {
 
 // The unknowns of the openings in contact, those of each edge together.
 std::vector<std::vector<Index>> edges_in_contact(const Model& m) {
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   const auto n = static_cast<Index>(m.inner->kernel.trace.w.size());
   std::vector<std::vector<Index>> blocks;
   for (const auto& crack : m.mesh.cracks)
@@ -45,7 +45,7 @@ std::vector<std::vector<Index>> edges_in_contact(const Model& m) {
 // Bernstein coefficients of the normal stress on each edge become the unknowns of the same small contact problem, the
 // moments of the opening against the Bernstein polynomials their multipliers.
 Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
-  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
+  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.leading();
   const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = inverse(change);
   const Eigen::VectorXd force = on_rows(m, s.force).tail(contact_rows),
                         jump = on_rows(m, s.skeleton).tail(contact_rows);

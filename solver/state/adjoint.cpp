@@ -123,7 +123,7 @@ double size_of_right_side(const Tangent& of) {
 PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, PenaltyIterate start, Refining& refining,
                               TangentField& result) {
   const Model& m = of.condensed.m;
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   if (!refining) refining = std::make_unique<const Refinement>(of.condensed);
   Loads loads = of.loads;
   loads.F = of.alone;
@@ -249,7 +249,7 @@ namespace {
 // A derivative by the force of a held row prescribes minus its value as the dual jump.
 // The force of a row that slides is its share of one that is held.
 Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const TangentCone& cone) {
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(m.inner->ordering.contact_rows);
   if (dJ.force.size() == 0) return jump;
   Eigen::VectorXd by = jump;
@@ -314,7 +314,7 @@ bool empty(const Sensitivity& s) {
 
 std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
     if (!is_unilateral(m.scene.laws[crack])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, state, static_cast<Index>(crack));
@@ -357,7 +357,7 @@ std::vector<SlidingPoint> sliding_points(const std::vector<ContactPoint>& points
 TangentCone tangent_cone(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   TangentCone cone(tied(status));
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(status.size()));
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u)
     if (const Index row = m.inner->ordering.row[u]; row >= leading)
@@ -420,8 +420,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const Tange
               .own = std::move(dual.own),
               .prescribed = std::vector<double>(static_cast<std::size_t>(m.inner->skeleton.total), 0)};
   if (condensed.sliding)  // what held rows are loaded by is nothing, not the rounding of it
-    for (Index i = 0, row = m.inner->ordering.size - m.inner->ordering.contact_rows; i < m.inner->ordering.contact_rows;
-         ++i, ++row)
+    for (Index i = 0, row = m.inner->ordering.leading(); i < m.inner->ordering.contact_rows; ++i, ++row)
       if (cone.held[i]) loads.F[row] = 0;
   const Eigen::VectorXd F = loads.F;
   const PenaltyIterate solution = solve_tangent({condensed, cone, std::move(loads), dual_jumps(m, dJ, cone), F},
@@ -614,7 +613,7 @@ std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span
     found[i] = known;
   }
   for (Index i = 0; i < o.contact_rows; ++i)
-    if (impl_->cone.held[i]) columns.push_back({{o.size - o.contact_rows + i, 1.0}});
+    if (impl_->cone.held[i]) columns.push_back({{o.leading() + i, 1.0}});
   // All rows moving, less the forces that keep those that are held.
   Eigen::MatrixXd products = HalfSolved(*m.inner->factor).add(columns);
   if (const Eigen::Index held = products.rows() - problems - count; held > 0) {

@@ -79,7 +79,7 @@ ContactGuess contact_guess(const Model& m, const Field& state) {
 std::vector<Motion> motions_of(const Mesh& mesh, const Skeleton& s, const Ordering& o, const Kernel& k,
                                const ContactGuess& guess, const PartOfPaths* part) {
   if (guess.size() != mesh.cracks.size()) return {};
-  const Index leading = o.size - o.contact_rows;
+  const Index leading = o.leading();
   std::vector<Motion> motion(o.contact_rows, Motion::Held);
   for (Index c = 0; c < static_cast<Index>(guess.size()); ++c) {
     const auto set = [&](Index normal, double at, double) {

@@ -38,7 +38,7 @@ Eigen::VectorXd support_forces(const Model& m, const Field& s) {
 
 // Per row in contact the unknown.
 std::vector<Index> unknowns(const Model& m) {
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   std::vector<Index> all(static_cast<std::size_t>(m.inner->ordering.contact_rows));
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u)
     if (const Index row = m.inner->ordering.row[u]; row >= leading) all[static_cast<std::size_t>(row - leading)] = u;

@@ -248,8 +248,7 @@ bool can_be_rounded(const Prepared& made, const Element& e, const Preparation& h
 /// With the springs that hold what contact alone holds.
 LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
   LowerTriangle held = k;
-  for (Index i = 0; i < o.contact_rows; ++i)
-    held.values[held.start[o.size - o.contact_rows + i]] += standing.springs[i];
+  for (Index i = 0; i < o.contact_rows; ++i) held.values[held.start[o.leading() + i]] += standing.springs[i];
   return held;
 }
 

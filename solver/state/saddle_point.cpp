@@ -195,7 +195,7 @@ Given given_tractions(const Model& m, const Layout& layout) {
   Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
           std::vector<Index>(m.inner->ordering.contact_rows), Eigen::VectorXd::Zero(m.inner->ordering.contact_rows)};
   const Eigen::VectorXd loads = traction_loads(m.mesh, m.inner->kernel, s, m.inner->data);
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e)
     for (int i = 0; i < s.per_edge; ++i) {
       const Index u = edge_unknown(s, e) + i;
@@ -435,7 +435,7 @@ State solve_saddle_point(const Model& m) {
   state.certificate = certificate_of(solver, x, points, contact);
   state.force = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
-    const Index row = m.inner->ordering.row[u] - (m.inner->ordering.size - m.inner->ordering.contact_rows);
+    const Index row = m.inner->ordering.row[u] - m.inner->ordering.leading();
     if (m.inner->ordering.row[u] == none || row < 0) continue;
     const bool held = contact.motion[row] == Motion::Held;
     state.force[u] =

@@ -123,7 +123,7 @@ struct SharedBody::Impl {
   Eigen::VectorXd solve_open(const Eigen::VectorXd& forces);
 
   Index leading_rows() const {
-    return model.inner->ordering.size - model.inner->ordering.contact_rows;
+    return model.inner->ordering.leading();
   }
 
   Peers& peers;

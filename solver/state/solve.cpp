@@ -30,7 +30,7 @@ struct Judged {
 // The contact forces, |K x - F| on the rows that no contact holds, and how far jumps and forces are from the law.
 void certify_iterate(const Condensation& condensed, const Judged& by, PenaltyIterate& s) {
   const Model& m = condensed.m;
-  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.size - contact_rows;
+  const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.leading();
   const double load = by.load;
   Certificate& c = s.certificate;
   c.residual = leading > 0 ? by.rest.head(leading).cwiseAbs().maxCoeff() / load : 0;
@@ -174,7 +174,7 @@ void solve_contact(const Condensation& condensed, ContactMethod method, const Ei
     take(contact, watch, s, state);
     correction = condensed.complete(y, contact.jump);
     for (Index i = 0; i < contact_rows; ++i)
-      if (s.motion[i] == Motion::Held) correction[m.inner->ordering.size - contact_rows + i] = 0;
+      if (s.motion[i] == Motion::Held) correction[m.inner->ordering.leading() + i] = 0;
   } else {
     correction = m.inner->factor->backward(y);
   }
@@ -246,7 +246,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   work += s.force.dot(s.x);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   Eigen::VectorXd missed = rest - s.force;
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
     if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
   // An eigenstrain stores energy without any displacement, too.
@@ -284,7 +284,7 @@ struct Settling {
     }
     if (has_large_contact(m)) {  // the set stays; the certificate tells
       Eigen::VectorXd driven = F;
-      for (Index i = 0, row = m.inner->ordering.size - contact_rows; i < contact_rows; ++i, ++row)
+      for (Index i = 0, row = m.inner->ordering.leading(); i < contact_rows; ++i, ++row)
         if (s.motion[i] != Motion::Held) driven[row] += s.force[row];
       state.linear_solves += refinement.solve(driven, prescribed, s);
       return;
@@ -313,8 +313,7 @@ struct Settling {
     s.motion = contact.motion;
     s.x += condensed.complete(y, contact.jump - jump);
     Eigen::VectorXd driven = F;
-    for (Index i = 0, row = condensed.m.inner->ordering.size - condensed.m.inner->ordering.contact_rows;
-         i < static_cast<Index>(jump.size()); ++i, ++row)
+    for (Index i = 0, row = condensed.m.inner->ordering.leading(); i < static_cast<Index>(jump.size()); ++i, ++row)
       if (s.motion[i] == Motion::Held)
         s.x[row] = s.low[row] = 0;
       else
@@ -399,7 +398,7 @@ Eigen::VectorXd floating_moments(const Model& m, const Field& s) {
 }
 
 std::vector<ContactPoint> contact_points(const Model& m) {
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   std::vector<ContactPoint> points;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
     const CrackLaw& law = m.scene.laws[crack];

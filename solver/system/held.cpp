@@ -9,7 +9,7 @@
 namespace kerf {
 
 std::vector<Index> sequence_within(const Mesh& mesh, const Skeleton& s, const Ordering& o) {
-  const Index leading = o.size - o.contact_rows;
+  const Index leading = o.leading();
   std::vector<Index> behind(static_cast<std::size_t>(o.size) + 1, none), next(o.contact_rows, none), sequence;
   // Chains of rows in contact, each behind the last row of its edge's node, or behind all.
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {

@@ -18,6 +18,10 @@ struct Ordering {
   std::vector<Index> node_of;   // per row its node
   std::vector<Index> adjacent;  // per node the later nodes that it is coupled to, increasing
   std::vector<Index> adjacent_start;
+
+  Index leading() const {  // rows that no contact law acts on
+    return size - contact_rows;
+  }
 };
 /// `sequence`: vertex_sequence(mesh), where it is known.
 Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges = {}, int threads = 1,

@@ -138,7 +138,7 @@ std::vector<Index> rows_of(const Assembly& from, Index t) {
 }  // namespace
 
 bool parts_freely(const Ordering& o, Index jump) {
-  return jump != none && o.row[jump] != none && o.row[jump] < o.size - o.contact_rows;
+  return jump != none && o.row[jump] != none && o.row[jump] < o.leading();
 }
 
 Index unknown_of_trace(const Ordering& o, Index base, Index jump) {
@@ -206,10 +206,7 @@ namespace {
 class Parts {
  public:
   Parts(const Assembly& from, double penalty, Ranks& ranks)
-      : from_(from),
-        penalty_(penalty),
-        leading_(from.ordering.size - from.ordering.contact_rows),
-        part_(partition(from, ranks)) {
+      : from_(from), penalty_(penalty), leading_(from.ordering.leading()), part_(partition(from, ranks)) {
     number(ranks.count());
   }
 

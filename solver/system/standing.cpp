@@ -148,7 +148,7 @@ namespace {
 /// Forces of contact on a motion, by unit pressures: a column per ray of the cones.
 Eigen::MatrixXd rays(const Numbered& of, const Eigen::MatrixXd& jumps) {
   const Skeleton& s = of.skeleton;
-  const Index leading = of.ordering.size - of.ordering.contact_rows;
+  const Index leading = of.ordering.leading();
   std::vector<Eigen::VectorXd> all;
   const auto row = [&](Index u) -> Eigen::VectorXd { return jumps.row(of.ordering.row[u] - leading).transpose(); };
   for (std::size_t c = 0; c < of.mesh.cracks.size(); ++c)
@@ -289,7 +289,7 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
   const Eigen::Index motions = all.cols();
   Eigen::MatrixXd jumps(o.contact_rows, motions);
   Eigen::VectorXd work = Eigen::VectorXd::Zero(motions), size = work;
-  const Index leading_rows = o.size - o.contact_rows;
+  const Index leading_rows = o.leading();
   for (Index u = 0; u < of.skeleton.total; ++u) {
     const Index row = o.row[u];
     if (row == none) continue;

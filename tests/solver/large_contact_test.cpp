@@ -59,7 +59,7 @@ TEST(LargeContact, BeginsWithLoneCracks) {
   Index wrong = 0;
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
     if (m.inner->skeleton.bounded[u])
-      wrong += (s.force[u] > 0) != (m.inner->start[o.row[u] - (o.size - o.contact_rows)] == Motion::Held);
+      wrong += (s.force[u] > 0) != (m.inner->start[o.row[u] - o.leading()] == Motion::Held);
   EXPECT_LT(wrong, o.contact_rows / 5);
   EXPECT_GT(o.contact_rows, 100);
 }

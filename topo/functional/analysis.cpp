@@ -69,7 +69,7 @@ double length_of(const Model& m, const Field& s) {
 OneSided one_sided(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   std::vector<Index> unknowns;
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   for (Index u = m.inner->skeleton.base; u < m.inner->skeleton.total; ++u) {
     const Index row = m.inner->ordering.row[u];
     if (row >= leading && status[static_cast<std::size_t>(row - leading)] == ContactStatus::Biactive)

@@ -52,7 +52,7 @@ std::vector<std::vector<Wall>> find_walls(const Model& m, const Field& s, const 
     walls.push_back({w});
   };
   const std::vector<bool> closed = tied(contact_status(m, s));
-  const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
+  const Index leading = m.inner->ordering.leading();
   for (Index e = 0; e < static_cast<Index>(m.mesh.edges.size()); ++e) {
     const Vec2& a = m.mesh.points[m.mesh.edges[e][0]];
     const Vec2& b = m.mesh.points[m.mesh.edges[e][1]];

@@ -103,7 +103,7 @@ void Differences::fill_near(const ChangedBall& of, Field& near) const {
   for (Index u = 0; u < skeleton.total; ++u) {
     if (o.row[u] == none) continue;
     near.skeleton[u] = far_.rows(o.row[u], of.column);
-    if (const Index trailing = o.row[u] - (o.size - o.contact_rows); trailing >= 0) near.force[u] = c.push[trailing];
+    if (const Index trailing = o.row[u] - o.leading(); trailing >= 0) near.force[u] = c.push[trailing];
   }
   Eigen::VectorXd edges(c.ball.size() + c.contour.size());
   edges << c.ball, c.contour;

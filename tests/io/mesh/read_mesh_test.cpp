@@ -5,7 +5,10 @@
 #include "tests/io/mesh/meshes.hpp"
 #include "tests/support/folder.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
+#include <sstream>
 
 namespace kerf::read_mesh_test {
 namespace {
@@ -202,6 +205,32 @@ TEST(ReadMesh, NamesOfRegionsArePiecesOnlyOfOthers) {
   const test::Folder folder;
   write_mesh(folder.path / "a.msh", triangulate(plate.shape, {.size = 0.3}), plate.shape);
   EXPECT_EQ(read_mesh(folder.path / "a.msh").surfaces, read.surfaces);
+}
+
+TEST(ReadMesh, ASurfaceIsWrittenAsOneBlock) {
+  DrawnPlate plate;
+  for (const double x : {0.6, 1.8, 3.0})
+    plate.shape.regions.push_back(circle(x < 1 ? "a" : x < 2 ? "b" : "c", {x, 1}, 0.3, none));
+  const Mesh mesh = triangulate(plate.shape, {.size = 0.2});
+  const std::string written = msh_text(mesh, plate.shape, MshVersion::V4);
+  std::istringstream rest(written.substr(written.find("$Elements") + 9));
+  std::size_t blocks = 0, cells = 0;
+  rest >> blocks >> cells;
+  std::set<std::pair<int, int>> seen;
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    int dimension = 0, entity = 0, type = 0;
+    std::size_t n = 0;
+    rest >> dimension >> entity >> type >> n;
+    EXPECT_TRUE(seen.insert({dimension, entity}).second) << dimension << " " << entity << " has a second block";
+    count += n;
+    for (std::string line; n > 0 && std::getline(rest >> std::ws, line); --n) {
+    }
+  }
+  EXPECT_EQ(count, cells);
+  EXPECT_EQ(std::ranges::count_if(seen, [](const auto& of) { return of.first == 2; }), 4) << "three discs and the rest";
+  const MeshFile read = parse_mesh("a.msh", written, {});
+  EXPECT_EQ(read.mesh.triangles.size(), mesh.triangles.size());
 }
 
 TEST(ReadMesh, WhatARingEnclosesIsARegionOfTheBodysMaterial) {
