@@ -38,9 +38,7 @@ Farm farm_of(const Case& c, Processes* processes) {
   if (!processes || started_processes() == 1 || !has_starts_to_share(c)) return {};
   return [&c, processes](const std::vector<std::string>& tasks) {
     Packer packed;
-    packed.put(starts);
-    packed.put(tasks.size());
-    for (const std::string& task : tasks) packed.put(task);
+    packed(starts, tasks);
     std::vector<std::string> answers;
     processes->work(std::move(packed).take(), [&](Peers& peers) { answers = share(c, tasks, peers); });
     return answers;
@@ -50,8 +48,7 @@ Farm farm_of(const Case& c, Processes* processes) {
 void work_on(const Case& c, std::string_view task, Peers& peers) {
   if (task.empty() || task.front() != starts) return work_on_part(c, task, peers);
   Unpacker from(task.substr(1));
-  std::vector<std::string> tasks(from.get<std::size_t>());
-  for (std::string& one : tasks) one = from.text();
+  const auto tasks = from.all<std::string>();
   share(c, tasks, peers);
 }
 

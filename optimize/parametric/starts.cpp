@@ -77,22 +77,9 @@ std::pair<Problem, OptimizeRequest> compared(const Problem& problem, const Optim
 
 // Tasks and answers of a farm.
 
-void put(const VectorXd& v, Packer& to) {
-  to.put(std::vector<double>(v.begin(), v.end()));
-}
-VectorXd vector_from(Unpacker& from) {
-  const auto v = from.all<double>();
-  return Eigen::Map<const VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
-}
-
 std::string task_of(const Design& design, int evaluations, const StartTried& tried) {
   Packer to;
-  put(start_of(design), to);
-  to.put(evaluations);
-  put(tried.from, to);
-  put(tried.variables, to);
-  to.put(tried.merit);
-  to.put(tried.violation);
+  to(start_of(design), evaluations, tried.from, tried.variables, tried.merit, tried.violation);
   return std::move(to).take();
 }
 
@@ -109,21 +96,15 @@ Design started_at(Design design, const VectorXd& start) {
 
 std::string answer_of(const StartTried& tried) {
   Packer to;
-  put(tried.variables, to);
-  to.put(tried.merit);
-  to.put(tried.violation);
-  to.put(tried.state_solves);
-  to.put(tried.failure);
+  to(tried.variables, tried.merit, tried.violation, tried.state_solves, tried.failure);
   return std::move(to).take();
 }
 
 void take_answer(std::string_view answer, StartTried& tried) {
   Unpacker from(answer);
-  tried.variables = vector_from(from);
-  tried.merit = from.get<double>();
-  tried.violation = from.get<double>();
-  tried.state_solves += from.get<int>();
-  tried.failure = from.text();
+  int solves = 0;
+  from(tried.variables, tried.merit, tried.violation, solves, tried.failure);
+  tried.state_solves += solves;
 }
 
 bool better(const StartTried& a, const StartTried& b) {
@@ -138,14 +119,11 @@ bool better(const StartTried& a, const StartTried& b) {
 std::string try_start(const Problem& problem, const OptimizeRequest& request, std::string_view task) {
   Unpacker from(task);
   auto [p, r] = compared(problem, request);
-  const VectorXd start = vector_from(from);
+  const auto start = from.get<VectorXd>();
   r.design = started_at(std::move(r.design), start);
   const int evaluations = from.get<int>();
   StartTried tried;
-  tried.from = vector_from(from);
-  tried.variables = vector_from(from);
-  tried.merit = from.get<double>();
-  tried.violation = from.get<double>();
+  from(tried.from, tried.variables, tried.merit, tried.violation);
   follow(p, r, evaluations, tried);
   return answer_of(tried);
 }

@@ -21,29 +21,29 @@ struct PackedTriangle {
 
 void put(const Triangle& t, int points, Packer& to) {
   for (int i = 0; i < 3; ++i) {
-    to.put(Eigen::MatrixXd(t.x[i]));
-    to.put(Eigen::MatrixXd(t.frame[i]));
+    to.put(t.x[i]);
+    to.put(t.frame[i]);
     to.put(t.forward[i]);
     to.put(t.bent[i] != nullptr);
-    for (int g = 0; t.bent[i] && g < points; ++g) to.put(Eigen::MatrixXd(t.bent[i][g]));
+    for (int g = 0; t.bent[i] && g < points; ++g) to.put(t.bent[i][g]);
     to.put(t.bow[i] != nullptr);
     if (t.bow[i])
-      for (const Vec2& q : t.bow[i]->q) to.put(Eigen::MatrixXd(q));
+      for (const Vec2& q : t.bow[i]->q) to.put(q);
   }
 }
 
 void get(Unpacker& from, int points, PackedTriangle& t) {
   for (int i = 0; i < 3; ++i) {
-    t.shape.x[i] = from.matrix<Vec2>();
-    t.shape.frame[i] = from.matrix<Mat2>();
+    t.shape.x[i] = from.get<Vec2>();
+    t.shape.frame[i] = from.get<Mat2>();
     t.shape.forward[i] = from.get<bool>();
     t.bent[i].clear();
     if (from.get<bool>())
-      for (int g = 0; g < points; ++g) t.bent[i].push_back(from.matrix<Mat2>());
+      for (int g = 0; g < points; ++g) t.bent[i].push_back(from.get<Mat2>());
     t.shape.bent[i] = t.bent[i].empty() ? nullptr : t.bent[i].data();
     const bool curved = from.get<bool>();
     if (curved)
-      for (Vec2& q : t.bow[i].q) q = from.matrix<Vec2>();
+      for (Vec2& q : t.bow[i].q) q = from.get<Vec2>();
     t.shape.bow[i] = curved ? &t.bow[i] : nullptr;
   }
 }

@@ -10,69 +10,32 @@
 
 namespace kerf {
 
+template <typename Visit, Like<Wall> T>
+static void fields(Visit& visit, T& w) {
+  visit(w.a, w.b, w.axes, w.times);
+}
+
+template <typename Visit, Like<GreenSamples> T>
+static void fields(Visit& visit, T& g) {
+  visit(g.walls, g.x, g.rest, g.error);
+}
+
+template <typename Visit, Like<GreenOfBody::Tensor> T>
+static void fields(Visit& visit, T& tensor) {
+  visit(tensor.samples, tensor.at);
+}
+
+template <typename Visit, Like<GreenOfBody> T>
+static void fields(Visit& visit, T& green) {
+  visit(green.points, green.body, green.measured);
+}
+
 namespace {
 
-void put(const Vec2& x, Packer& to) {
-  to.put(Eigen::MatrixXd(x));
-}
-void put(const Mat2& m, Packer& to) {
-  to.put(Eigen::MatrixXd(m));
-}
-
-template <typename T>
-void put_all(const std::vector<T>& all, Packer& to) {
-  to.put(all.size());
-  for (const T& one : all) put(one, to);
-}
-template <typename T>
-std::vector<T> all_from(Unpacker& from) {
-  std::vector<T> all(from.get<std::size_t>());
-  for (T& one : all) one = from.matrix<T>();
-  return all;
-}
-
-void put(const GreenSamples& g, Packer& to) {
-  to.put(g.walls.size());
-  for (const auto& alike : g.walls) {
-    to.put(alike.size());
-    for (const Wall& w : alike) {
-      put(w.a, to);
-      put(w.b, to);
-      put(w.axes, to);
-      put(w.times, to);
-    }
-  }
-  put_all(g.x, to);
-  put_all(g.rest, to);
-  to.put(g.error);
-}
-
-GreenSamples samples_from(Unpacker& from) {
-  GreenSamples g;
-  g.walls.resize(from.get<std::size_t>());
-  for (auto& alike : g.walls) {
-    alike.resize(from.get<std::size_t>());
-    for (Wall& w : alike) {
-      w.a = from.matrix<Vec2>();
-      w.b = from.matrix<Vec2>();
-      w.axes = from.matrix<Mat2>();
-      w.times = from.matrix<Vec2>();
-      g.barriers.emplace_back(w.a, w.b);
-    }
-  }
-  g.x = all_from<Vec2>(from);
-  g.rest = all_from<Mat2>(from);
-  g.error = from.get<double>();
-  return g;
-}
-
-void put(const GreenOfBody::Tensor& tensor, Packer& to) {
-  put(tensor.samples, to);
-  put_all(tensor.at, to);
-}
-GreenOfBody::Tensor tensor_from(Unpacker& from) {
-  GreenSamples samples = samples_from(from);
-  return {std::move(samples), all_from<Mat2>(from)};
+/// The walls are what no sample is seen through.
+void set_barriers(GreenSamples& g) {
+  for (const auto& alike : g.walls)
+    for (const Wall& w : alike) g.barriers.emplace_back(w.a, w.b);
 }
 
 /// `points` of the body, in their triangles; elsewhere 0.
@@ -118,19 +81,16 @@ Mat2 GreenOfBody::regular(const Tensor& tensor, const Vec2& x) const {
 
 std::string packed(const GreenOfBody& green) {
   Packer to;
-  put_all(green.points, to);
-  put(green.body, to);
-  to.put(green.measured.has_value());
-  if (green.measured) put(*green.measured, to);
+  to(green);
   return std::move(to).take();
 }
 
 std::shared_ptr<const GreenOfBody> green_from(std::string_view packed) {
   Unpacker from(packed);
   auto green = std::make_shared<GreenOfBody>();
-  green->points = all_from<Vec2>(from);
-  green->body = tensor_from(from);
-  if (from.get<bool>()) green->measured = tensor_from(from);
+  from(*green);
+  set_barriers(green->body.samples);
+  if (green->measured) set_barriers(green->measured->samples);
   return green;
 }
 
