@@ -150,6 +150,8 @@ struct Reduction : Space<E> {
   Number gamma;
   double density;  // one over the area in xi
 
+  // [theory: E.7]. With a penalty M gets a/|T| t t' as well (E.12), and YT, ZT carry the load theta t and the mean of
+  // the trace (E.13, E.14).
   Reduction(const Arrays& a, const Compliant<Number>& is) {
     gamma = is.gamma;
     density = 1 / a.area;
@@ -189,6 +191,7 @@ struct Reduction : Space<E> {
     for (int x = 0; x < X; ++x) F[x] *= x < X - V ? factor : Number(factor * s.h);
     return F;
   }
+  // mean(tr s) of a load alone: 1/|T| t . s with s eliminated, all in xi.
   double mean_trace(const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
     return density * (YT.dot(stress) + ZT.dot(low));
   }
@@ -257,6 +260,8 @@ struct Reduction : Space<E> {
   }
 
  private:
+  // M + a/|T| t t' + gamma B'B. All terms are positive semidefinite; on constant pressures M is 2 c, so that the factor
+  // exists for every c + a > 0.
   void factorize(const Arrays& a, const Compliant<Number>& is) {
     L = a.M;
     if (is.penalized)
@@ -321,6 +326,8 @@ struct Elimination : Reduction<E, Number> {
       return c;
     }
   };
+  // K = YC'YC - Z'Z loses digits where both are much larger than their difference: towards nu = 1/2, hence the penalty.
+  // by_theta = 1/|T| (YT . YT - ZT . ZT) is mean(tr s) per theta.
   Shares shares(const ScaledOf<Number>& s, bool forced, const Compliant<Number>& is) const {
     Shares to;
     to.forced = forced;

@@ -50,6 +50,8 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return result;
   }
 
+  // The same elimination backwards. The forces are made of the stress that is found, C s, not of K m: its rounding
+  // balances itself on the triangle.
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
                                   const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty,
                                   TraceForces* forces) {
@@ -78,6 +80,8 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     Compliant<Pack> is;
     LocalArrays<E, S, Pack> a;
   };
+  // Lane by lane what LocalProblem assembles: moments and edges are computed in packs, the compliance and the scaling
+  // per triangle.
   static void pack(const Kernel& k, const PackedTriangles& all, Packed& to) {
     using Problem = LocalProblem<E>;
     typename Problem::template Compliance<Pack> A;
@@ -153,6 +157,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  // Traces without loads: one elimination serves all columns.
   static Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material,
                                    const Eigen::MatrixXd& m) {
     const Scaled s = scale(t);
@@ -187,6 +192,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  // Loads with all edges at rest, m = 0: the particular solutions that the traces are added to.
   static void loaded(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& forces,
                      Loaded& to) {
     const Scaled s = scale(t);
@@ -212,6 +218,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  // The adjoint has the same matrix and -J for its loads, on stresses, displacements and rotations [theory: A.2, A.6].
   static DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                                 const Penalty& penalty) {
     const Scaled s = scale(t);

@@ -1,3 +1,5 @@
+// Values and derivatives of the monomials x^i y^j, i + j <= k, in the order of solver/polynomial.hpp.
+
 #include "solver/polynomial.hpp"
 
 namespace kerf {

@@ -1,3 +1,6 @@
+// Gauss-Legendre rules on [0, 1] by Newton's method, symmetric rules on the triangle up to degree 5 [Dunavant 1985],
+// and products of Gauss rules collapsed onto the triangle above.
+
 #include "solver/quadrature.hpp"
 
 #include <cmath>
@@ -43,6 +46,7 @@ struct Orbit {  // points (a, b, c) and permutations: 1, 3 (two equal) of them
   double weight, first;
 };
 
+// All weights are positive and all points inside the triangle.
 TriangleRule symmetric(double centroid_weight, std::initializer_list<Orbit> orbits) {
   const int n = (centroid_weight > 0 ? 1 : 0) + 3 * static_cast<int>(orbits.size());
   TriangleRule rule{Points(2, n), Eigen::VectorXd(n)};
@@ -62,6 +66,8 @@ TriangleRule symmetric(double centroid_weight, std::initializer_list<Orbit> orbi
   return rule;
 }
 
+// (r, s) -> (r (1 - s), r s) maps the unit square onto the triangle with Jacobian r: one more point along r integrates
+// that factor.
 TriangleRule collapsed(int degree) {
   const int n = degree / 2 + 1;
   const EdgeRule line = gauss(n), radial = gauss(n + 1);
