@@ -27,8 +27,7 @@ struct UnitHeight {
   std::array<double, 3> along, across;
 };
 
-// Written with sin(a/2) wherever 1 - cos a occurs: short arcs have a of 1e-3 and less, and the difference would lose
-// their digits.
+// Written with sin(a/2) in place of 1 - cos a, whose digits cancel for short arcs.
 UnitHeight unit_height(double a, int degree) {
   const double s = std::sin(a), c = std::cos(a), half = std::sin(0.5 * a), rise = 2 * half * half;  // 1 - c
   switch (degree) {
@@ -77,8 +76,8 @@ Bow bow_of(const Arc& piece, int degree) {
   return b;
 }
 
-// Halves of curved edges are pieces of the same arcs and bow less, but their triangles are others: each division is
-// checked on the triangles beside curved edges alone, without the cracks, which refine() would have to split too.
+// Halves of curved edges are pieces of the same arcs, in triangles of other shapes: each division is checked, on the
+// triangles beside curved edges alone.
 void check_division(const Mesh& mesh, const Element& e, int divisions) {
   Mesh beside = mesh;
   for (int time = 0; !beside.arc.empty(); ++time) {

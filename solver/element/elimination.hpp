@@ -260,8 +260,7 @@ struct Reduction : Space<E> {
   }
 
  private:
-  // M + a/|T| t t' + gamma B'B. All terms are positive semidefinite; on constant pressures M is 2 c, so that the factor
-  // exists for every c + a > 0.
+  // M + a/|T| t t' + gamma B'B. All terms are positive semidefinite; on a constant pressure only c and a are left.
   void factorize(const Arrays& a, const Compliant<Number>& is) {
     L = a.M;
     if (is.penalized)
@@ -326,8 +325,8 @@ struct Elimination : Reduction<E, Number> {
       return c;
     }
   };
-  // K = YC'YC - Z'Z loses digits where both are much larger than their difference: towards nu = 1/2, hence the penalty.
-  // by_theta = 1/|T| (YT . YT - ZT . ZT) is mean(tr s) per theta.
+  // K = YC'YC - Z'Z, which grows like 1/c towards nu = 1/2 by its resistance to changes of the area. by_theta = (YT .
+  // YT - ZT . ZT)/|T| is mean(tr s) per theta.
   Shares shares(const ScaledOf<Number>& s, bool forced, const Compliant<Number>& is) const {
     Shares to;
     to.forced = forced;

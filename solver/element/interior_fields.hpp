@@ -60,7 +60,7 @@ struct InteriorFields : Space<E> {
     Rowwise<B, 1> given;
     std::array<double, 3> at_vertices;
   };
-  // The local problem in xi is h^2 times that in x: a load on stresses is divided by h^2, one on u = h u_xi by h (E.6).
+  // h^2 times the local problem in xi is that in x: a load on stresses is divided by h^2, one on u = h u_xi by h (E.6).
   // What J sees of a rotation at vertices goes to the skeleton.
   static Acting acting(const Kernel& k, const Scaled& s, const Material& material, const Eigen::VectorXd& J) {
     Eigen::VectorXd by = J;

@@ -90,8 +90,7 @@ Triangle turned(const Triangle& t, int turn) {
   return to;
 }
 
-// Unit traces, unit moments and theta = 1, each through the ordinary elimination: its bits are those of a triangle
-// alone.
+// Unit traces, unit moments and theta = 1, each through the ordinary elimination.
 SharedShape::SharedShape(const Kernel& k, const Triangle& of, const Material& material, double penalty, bool forced) {
   const int X = skeleton_count(k.element), U = forced ? displacement_count(k.element) : 0, T = penalty > 0 ? 1 : 0;
   const LocalTriangle plain{of, &material, forced ? ForceMoments::Zero(U).eval() : ForceMoments(), {.a = penalty}};
