@@ -1,3 +1,6 @@
+// A dense symmetric S in the lower half of one array and the factor U'D U of S + shift + C C' in the upper one: half of
+// the memory of two arrays [theory: E.36].
+
 #include "solver/system/complement.hpp"
 
 #include <Eigen/Cholesky>

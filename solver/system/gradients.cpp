@@ -1,3 +1,6 @@
+// Conjugate gradients [Hestenes, Stiefel 1952] on vectors that processes share, every direction made conjugate to all
+// before it, those of earlier right-hand sides included [theory: E.36].
+
 #include "solver/system/gradients.hpp"
 
 #include "kerf/stop.hpp"
@@ -40,6 +43,8 @@ void SharedGradients::keep(const VectorXd& p, const VectorXd& Ap, double size) {
   ++count_;
 }
 
+// A start from the kept directions, x = P P'b with P'A P = I, is the solution on their span. r.z estimates the squared
+// error in the norm of the energy. Directions of steps in which rounding let nothing shrink are dropped again.
 SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& preconditioner, const VectorXd& b,
                                                double tolerance, double enough, int most) {
   constexpr Eigen::Index most_kept = 128;  // between solves

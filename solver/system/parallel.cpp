@@ -1,3 +1,6 @@
+// Loops on several threads whose results do not depend on their number: each item writes its own, and the failure that
+// is told is that of the first item, not of the first thread.
+
 #include "solver/parallel.hpp"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Rigid motions that the supports leave free, and what the loads do on them. A held component with direction d at the
+// place x stops the motion (t, w) by the row (d, cross(x - c, d)/R); the motions that are left are eigenvectors of the
+// sum of row'row with eigenvalue 0, c and R center and radius of the body. Loads must be in equilibrium on them; the
+// state is then the one without mean motion, shares G^-1 int u . r_i with the Gram matrix G_ij = int r_i . r_j, all as
+// the element's displacement sees the motions [theory: A.7]. docs/theory/adjoint.md, section Condensed.
+
 #include "solver/system/rigid.hpp"
 
 #include <fmt/core.h>
@@ -49,6 +55,7 @@ std::string describe(const RigidMotion& m) {
   return fmt::format("a rotation about ({:.4g}, {:.4g})", tidy(c.x(), size), tidy(c.y(), size));
 }
 
+// Eigenvalues are squares of singular values: 1e-11 of the largest stands for 3e-6.
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
                                       const std::vector<Index>& piece, Index which) {
   Vec2 low = Vec2::Constant(infinity), high = Vec2::Constant(-infinity);
@@ -119,6 +126,7 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   return value;
 }
 
+// The traction moments are those that act in the solve, so that what is called balanced here is balanced there.
 Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion,
              Index triangles) {
   const Eigen::VectorXd loads = traction_loads(mesh, k, s, loading.data);
@@ -158,6 +166,7 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
   return {work, size};
 }
 
+// Gram-Schmidt with pivoting on the rows of the traces.
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
                         std::span<const Index> piece) {
   const Index n = static_cast<Index>(motions.size());

@@ -1,3 +1,13 @@
+// The unknowns of the condensed system: displacements m at the Gauss points of edges, two components in the frame of
+// the edge, values at vertices where the element has them, and behind all of these the jumps j on crack edges,
+//   m_right = m_left + j   [theory: C.3],   j_n = [u].n >= 0, p_n >= 0 at the Gauss points where faces may touch (C.4).
+// On crack edges frames are (normal, tangent), those of the true curve where a crack is curved. Prescribed
+// displacements are projections in L2, which at Gauss points with weights w is m_g = sum_q w_q phi_g(s_q) u(s_q)/w_g
+// (E.5), and moments of tractions are |e| sum_q w_q phi_g(s_q) t(s_q). Jumps that have a gap are counted from first
+// contact, -gap prescribed (C.21, C.22). Which combinations of traces no triangle sees is marked for elements that have
+// some. Derived in docs/theory/contact.md, section Jumps as unknowns, and docs/theory/elements.md, section
+// Hybridization.
+
 #include "solver/system/skeleton.hpp"
 #include "geometry/topology.hpp"
 #include "solver/state/solve.hpp"
@@ -100,6 +110,7 @@ void bend_roller(const Mesh& mesh, const Kernel& k, Index e, const Vec2& outward
     s.bent.push_back(frame_on_bow(mesh, s, e, k.trace.s[g], outward));
 }
 
+// Displacement elements take the value in the middle of the edge; values at corners come from support_corners.
 void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Skeleton& s) {
   const int points = points_per_edge(k.element);
   const EdgeRule rule = gauss(data_points);
@@ -292,6 +303,8 @@ Index corner_unknown(const Skeleton& s, Index corner) {
   return static_cast<Index>(s.frame.size()) * s.per_edge + corner * s.per_vertex;
 }
 
+// A uniform pressure stores no energy where c = 0. Its level is free where every normal component on the boundary is
+// prescribed and no face can open.
 bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
   if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return m.c > 0; })) return false;
   bool contact = false;
@@ -384,6 +397,7 @@ Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
   return result;
 }
 
+// sides[1] is the right side of an edge, the one that sees base and jump.
 Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
   Seen result;
   for (int i = 0; i < 3; ++i) {
@@ -450,6 +464,8 @@ void add_pressure(const Mesh& mesh, const Kernel& k, const Skeleton& s, Index e,
 
 }  // namespace
 
+// Data have data_points Gauss points on an edge, which are exact for polynomials of degree 7 against the traces (D.2).
+// P_2 has a bubble in the middle of the edge, 4 s (1 - s), whose half is taken from the linear functions at the ends.
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const SceneData& data) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(s.total);
   const EdgeRule rule = gauss(data_points);

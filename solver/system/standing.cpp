@@ -1,3 +1,12 @@
+// Pieces of a body that contact alone holds: K has their rigid motions R for its kernel, R_c their jumps on the rows in
+// contact. Slides that no row of R_c sees get rows of no law until R_c has full rank. At as many pivoted rows as there
+// are motions the diagonal is doubled for the factor, K + D = L L', and
+//   S = L_22 L_22' - D,   S R_c = 0   [theory: C.24];
+// the problem is solvable if R'F + sum_i q_i g_i = 0 for some q >= 0 on the rays g_i of the contact cones [theory:
+// C.25], found by nonnegative least squares [Lawson, Hanson 1974]; else the motion with which rigid pieces would begin
+// is named [Moreau 1988; theory: C.37]. The search adds a proximal term (delta/2) |Q'(j - j_m)|^2 on the motions
+// [theory: C.26]. Derived in docs/theory/contact.md, section Pieces that contact holds.
+
 #include "solver/system/standing.hpp"
 
 #include "base/dense.hpp"
@@ -44,9 +53,10 @@ Eigen::MatrixXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s
   return all;
 }
 
-constexpr double resists = 1e-9;  // relative singular values below are rounding
+constexpr double resists = 1e-9;  // relative eigenvalues of rows'rows below are rounding
 
 /// Orthonormal combinations that the rows do not see.
+/// By eigenvalues of rows'rows, squares of singular values: the limit on those is 3e-5 of the largest.
 Eigen::MatrixXd unseen_by(const Eigen::MatrixXd& rows) {
   const Eigen::Index n = rows.cols();
   if (rows.rows() == 0) return Eigen::MatrixXd::Identity(n, n);
@@ -113,6 +123,8 @@ std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene) {
   return pieces(mesh, cut);
 }
 
+/// `left` shrinks by one column with each row that is added. A jump of 1e-6 of a motion of unit size is the least that
+/// stops it.
 Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   Standing standing{.piece = pieces_of(mesh, scene)};
   const Index count = standing.piece.empty() ? 0 : 1 + *std::max_element(standing.piece.begin(), standing.piece.end());
@@ -282,6 +294,9 @@ void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
   if (slides.cols() > 0) S += S.diagonal().mean() * slides * slides.transpose();
 }
 
+/// First the feet, where forces may act up to the ends of the faces: if these do not balance the loads nothing does.
+/// Then the Gauss points of the mesh: if those do not, triangles at the ends of the feet are too large. What is left in
+/// between is rounding and taken out of F.
 void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standing& standing,
           std::vector<std::string>& notes) {
   const Ordering& o = of.ordering;
@@ -347,6 +362,8 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
   notes.push_back(std::move(note));
 }
 
+/// delta = 1e-4 of the mean diagonal of S. When the set stays S alone takes it on, whose moving rows are definite where
+/// contact holds the pieces.
 Contact semicoercive(const SmallProblem& p, const std::vector<Motion>& guess) {
   constexpr int most = 30;
   const double weight = 1e-4 * p.S.diagonal().mean();

@@ -1,4 +1,9 @@
-// Substitutions with the fronts' panels [theory: E.29].
+// Substitutions with the panels of a multifrontal factor, up the tree with L and down it with L',
+//   y_s = L_ss^-1 x_s,   x_p <- x_p - L_ps y_s;     z_s = L_ss^-T (y_s - L_ps' z_p)   [theory: E.29],
+// for one right-hand side or many, each panel read once for all of them. On the way up a subtree adds what concerns
+// rows above it to an array of its own; these arrays are added in the order of the subtrees, so that subtrees run side
+// by side with the same bits. Fronts above are cut into strips of rows (up) and columns (down). Backwards some fronts
+// may be left out, where few rows of the solution are wanted. Derived in docs/theory/elements.md, section The factor.
 
 #include "kerf/stop.hpp"
 #include "solver/parallel.hpp"
@@ -145,6 +150,7 @@ struct Multifrontal::Substitution {
     }
   }
 
+  /// Smaller panels are gone through by eight columns; larger ones in tiles, whose rows or columns threads share.
   bool is_large(const ConstFront& f) const {
     return std::int64_t{f.width} * f.height > 200000;
   }
@@ -184,6 +190,7 @@ struct Multifrontal::Substitution {
   }
 
   /// What the front adds to rows from `limit` on, which others have, too, goes into `outside`.
+  /// `limit`: the first row behind the subtree. Rows are increasing, so that those of others come last.
   void forward_front(Index s, Room& room, Index limit, double* outside, Index apart, bool together) const {
     const ConstFront f = front(s);
     double* w = columns_of(room, f);
