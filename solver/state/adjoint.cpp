@@ -1,3 +1,13 @@
+// The adjoint of the discrete state, and linear problems on the tangent cone of its contact, by the factor of the
+// state. With J_z the derivative of a functional by the unknowns z of all triangles and edges, H their saddle matrix,
+//   H y = -J_z,   condensed   K mu = sum_T F_T + J_m   [theory: A.2, A.6],
+//   closed rows mu_j = -J_p,  moving rows (K mu)_j = J_j,  normal rows under slips mu_n = -J_pn - c (mu_t + J_pt)
+// [theory: A.9, A.10, A.15]. Where supports leave motions R free, dJ first loses its part on them [theory: A.7]. A
+// penalty is paid back by the rounds of solver/system/penalty.cpp; where bodies bend by far more than they are
+// strained, products triangle by triangle refine the solution [theory: E.17, E.19]. `ConeSolver::read` takes single
+// numbers of many solutions from half solves alone, q'K^-1 f = (L^-1 q).(L^-1 f) less what keeps held rows [theory:
+// T.38]. Derived in docs/theory/adjoint.md.
+
 #include "kerf/adjoint.hpp"
 
 #include "base/dense.hpp"
@@ -19,6 +29,7 @@ namespace kerf {
 
 namespace {
 
+// Members without a size are zero (Sensitivity).
 template <typename Array>
 void add(Array& a, const Array& b) {
   if (b.size() == 0) return;
@@ -30,6 +41,7 @@ void add(Array& a, const Array& b) {
 
 }  // namespace
 
+// J(R) of (A.7). The interior of a rigid trace is the motion as the element sees it, without stress.
 Eigen::VectorXd work_on_motions(const Model& m, const Sensitivity& dJ) {
   const Eigen::Index n = static_cast<Eigen::Index>(m.inner->floating.size());
   Eigen::VectorXd work = Eigen::VectorXd::Zero(n);
@@ -62,6 +74,7 @@ Eigen::VectorXd weigh_motion(const Model& m, Index t, const RigidMotion& motion)
 
 }  // namespace
 
+// (R, .) of (A.7) as derivatives by the interior coefficients; shares are G^-1 J(R).
 Sensitivity without_moments(const Model& m, Sensitivity dJ, const Eigen::VectorXd& share) {
   const std::vector<RigidMotion>& motions = m.inner->floating;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -109,6 +122,7 @@ struct Tangent {
 using Refining = std::unique_ptr<const Refinement>;
 
 // The largest load, that of the given jumps included.
+// Jumps that are given load the other rows by K g: without loads they alone set the scale.
 double size_of_right_side(const Tangent& of) {
   const Model& m = of.condensed.m;
   const Index rows = m.inner->ordering.size;
@@ -120,6 +134,8 @@ double size_of_right_side(const Tangent& of) {
 }
 
 // The solution again with products that do not lose what the rounding of K loses.
+// Prescribed values enter the exact products as part of x, so that the loads are those without their share (`alone`).
+// Two rounds remove what one leaves; with a penalty there are as many as for a state.
 PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, PenaltyIterate start, Refining& refining,
                               TangentField& result) {
   const Model& m = of.condensed.m;
@@ -145,6 +161,8 @@ PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, Penal
 }
 
 // x'K x of the whole field, the prescribed values included, by the triangles beside those.
+// With x on rows and x' prescribed, (x + x')'K (x + x') = x . (K x + 2 K x') + x'.K x', the last term by the triangles
+// that see x'.
 double energy_of(const Tangent& of, const PenaltyIterate& s) {
   const Model& m = of.condensed.m;
   const Eigen::VectorXd moved = of.alone - of.loads.F;  // K x' of the prescribed x'
@@ -165,6 +183,10 @@ double energy_of(const Tangent& of, const PenaltyIterate& s) {
 }
 
 // Stops at the relative residual `enough`, or where the iteration gains no more. Fills in all but forces and interior.
+// Rounds: x moves by the solution for what is left of F - K x, held rows keep their jumps. Under sliding points the
+// dual jump of the normal row follows the slip after each round [theory: A.15]; forward the force of the tangential row
+// is its share of the normal one [theory: A.14], and no part of the residual. Elements with unseen traces are not
+// refined: K is singular there.
 PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double enough, Refining& refining,
                              TangentField& result) {
   const Model& m = of.condensed.m;
@@ -218,6 +240,8 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
 
 }  // namespace
 
+// F_T of (A.6): -J_sigma, -J_u, -J_omega condensed onto the traces, in the order of the triangles, so that the sums do
+// not depend on threads.
 DualLoads dual_loads(const Model& m, const Sensitivity& dJ) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const bool penalized = m.inner->system.penalty > 0;
@@ -280,6 +304,7 @@ Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
 }
 
 // `load` less what the prescribed values do.
+// Only triangles beside the support see prescribed values: K x' costs their condensation.
 Eigen::VectorXd less_prescribed(const Model& m, Eigen::VectorXd load, const std::vector<double>& values) {
   Eigen::VectorXd prescribed = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
@@ -312,6 +337,8 @@ bool empty(const Sensitivity& s) {
   return s.interior.size() == 0 && s.skeleton.size() == 0 && s.force.size() == 0;
 }
 
+// A tangential row sticks where its jump is exactly the prescribed one: held rows are set, not computed. At open points
+// only a slip bound can hold it.
 std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
@@ -345,6 +372,7 @@ std::vector<bool> tied(const std::vector<ContactStatus>& status) {
   return held;
 }
 
+// c = -sign(j_t) f of (A.14): zero, and no point of this list, where the faces are open or f = 0.
 std::vector<SlidingPoint> sliding_points(const std::vector<ContactPoint>& points, const std::vector<bool>& held,
                                          const Eigen::VectorXd& jump) {
   std::vector<SlidingPoint> found;
@@ -354,6 +382,7 @@ std::vector<SlidingPoint> sliding_points(const std::vector<ContactPoint>& points
   return found;
 }
 
+// Slips are counted from where the step of loading began (prescribed), as friction counts them.
 TangentCone tangent_cone(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   TangentCone cone(tied(status));
@@ -366,6 +395,9 @@ TangentCone tangent_cone(const Model& m, const Field& state) {
   return cone;
 }
 
+// Undecided are points that touch without pressure, that stick with |sigma_t| at the limit, and that move by a slip of
+// no size: there the derivative is one-sided and no minimum problem gives it. Limits and slips are compared with the
+// largest tractions of the crack.
 Undecided undecided_friction(const Model& m, const Field& state, Index crack) {
   Undecided found;
   const CrackLaw& law = m.scene.laws[crack];
@@ -444,6 +476,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const Tange
   return adjoint;
 }
 
+// The interior of the motions is subtracted as the element sees them, so that stresses stay.
 Field without_motions(const Model& m, Field dual) {
   if (m.inner->floating.empty()) return dual;
   const Eigen::VectorXd share = floating_shares(m, dual);
@@ -471,6 +504,7 @@ struct ConeSolver::Impl {
     Twofold values;
   };
 
+  // The condensed solution alone: the interiors, the larger part of the work, follow where they are asked for.
   Traced trace(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough) {
     const Model& m = condensed.m;
     const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -546,6 +580,7 @@ class Halves {
     for (std::size_t i = 0; i < loads.unknowns.size(); ++i) place_[loads.unknowns[i]] = static_cast<Index>(i);
   }
 
+  // Each load less K x' of the problem's own prescribed values; triangles are condensed once for all columns.
   Columns of_loads() const {
     Columns columns(static_cast<std::size_t>(loads_.load.cols()));
     for (std::size_t i = 0; i < loads_.unknowns.size(); ++i)
@@ -598,6 +633,9 @@ class Halves {
 
 }  // namespace
 
+// products = (L^-1 C)'(L^-1 C) with columns C = (loads, readings, unit vectors e_h of held rows): with A = C'K^-1 C the
+// answer is A_qf - A_qh A_hh^-1 A_hf. Slides of pieces are replaced in S, not in the factor, so that half solves would
+// not see them: no answer then.
 std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span<const Reading> readings) const {
   const Model& m = impl_->condensed.m;
   const Ordering& o = m.inner->ordering;

@@ -1,3 +1,6 @@
+// A first set for contact from another mesh: what the faces do along the share of each crack's length, and where
+// contact ends between two points, by pressures that fall like the root of the distance from there [theory: C.33].
+
 #include "solver/state/guess.hpp"
 
 #include <algorithm>
@@ -49,6 +52,8 @@ bool alike(const FaceMotion& a, const FaceMotion& b) {
 }
 
 /// Where contact ends beyond `last`, by the pressure there and at the point before it, and before `open`.
+/// p^2 is linear in the distance from the end: d_1 = s p_1^2/(p_2^2 - p_1^2), at most up to the open point. Where the
+/// pressure does not fall towards the end it is put half way.
 double end_of_contact(const FacePoint& before, const FacePoint& last, const FacePoint& open) {
   const double p = last.pressure * last.pressure, fall = before.pressure * before.pressure - p,
                room = open.at - last.at, step = last.at - before.at;
@@ -76,6 +81,7 @@ ContactGuess contact_guess(const Model& m, const Field& state) {
   return guess;
 }
 
+/// A guess of another number of cracks is none.
 std::vector<Motion> motions_of(const Mesh& mesh, const Skeleton& s, const Ordering& o, const Kernel& k,
                                const ContactGuess& guess, const PartOfPaths* part) {
   if (guess.size() != mesh.cracks.size()) return {};

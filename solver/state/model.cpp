@@ -1,3 +1,13 @@
+// A body made ready to be solved, in the order of the data: what acts is integrated with proofs (solver/data), unknowns
+// are numbered, supports checked, pieces that contact alone holds found, rows ordered, the condensed system assembled
+// and factorized. Where supports leave motions r_i free the loads must balance on them to 1e-3; the body force
+//   f - sum_i share_i r_i,   share = G^-1 (work of the loads on r_i),   G_ij = int r_i . r_j   [theory: A.7]
+// takes out what is left, and pins fix as many unknowns. The matrix goes to one of these: the Cholesky factor with rows
+// in contact last (C.7); with springs where contact alone holds pieces (C.24); a factor for each set of held rows where
+// there are too many for a dense S (C.31); parts on several processes (E.31); a factor in single precision with
+// conjugate gradients (E.32); LU where K is indefinite. Also here: models under other loads by the same factor,
+// energies and works of a field. Derived in docs/theory/elements.md and docs/theory/contact.md.
+
 #include "kerf/model.hpp"
 
 #include "geometry/adapt.hpp"
@@ -35,6 +45,8 @@ struct Loaded {
 };
 
 // Loads in equilibrium hold a body that is in one piece by themselves.
+// After balancing, body force and its data are integrated anew, so that what is called balanced is balanced in the
+// solve.
 std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, Loaded& loaded,
                                         std::vector<std::string>& notes) {
   Scene& scene = loaded.scene;
@@ -241,6 +253,7 @@ constexpr const char* stays_double =
     "a factor in single precision does not serve here: the factor is kept in double precision";
 
 /// Whether its matrix is definite as it is, and nobody asks for the factor itself.
+/// Rows of an interface are read off the last block of the factor, which a leading solver does not have.
 bool can_be_rounded(const Prepared& made, const Element& e, const Preparation& how) {
   return is_definite(e) && made.skeleton.unseen.empty() && how.interface_edges.empty();
 }
@@ -273,6 +286,7 @@ bool same_topology(const Mesh& m, const Skeleton& s, const Mesh& n, const Skelet
 }
 
 /// The factor of a model that nobody else has, or null.
+/// A factor that another model shares must keep its values.
 std::shared_ptr<Factor> taken_from(Model model) {
   if (model.inner.use_count() != 1 || model.inner->factor.use_count() != 1) return nullptr;
   return std::const_pointer_cast<Factor>(model.inner->factor);
@@ -296,6 +310,7 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
 
 }  // namespace
 
+/// A linear field carries enclosures, so that the body force stays proved.
 Scene balanced(Scene scene, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share) {
   const auto force = [motions, share](const Vec2& x) {
     Vec2 force = Vec2::Zero();
@@ -306,6 +321,8 @@ Scene balanced(Scene scene, const std::vector<RigidMotion>& motions, const Eigen
   return scene;
 }
 
+/// Pins are named by the points of their edge, which every process has with the same bits; after divisions the first
+/// piece of the edge keeps the end a.
 Floating floating_of(const Model& m, int divisions) {
   const Inner& inner = *m.inner;
   if (inner.floating.empty()) return {};
@@ -320,6 +337,7 @@ Floating floating_of(const Model& m, int divisions) {
   return f;
 }
 
+/// No matrix of its own: the order has no dissection, loads alone are assembled, and the factor is empty.
 Model prepare_part(Mesh mesh, const Element& e, Scene scene, int threads, OwnShare own, const Floating& floating) {
   check_parted(e, {});
   Stopwatch watch;
@@ -455,6 +473,7 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
 }
 
 // `before`: the state whose slips go on, or nothing.
+// Slips of the step before are prescribed values of frictional jumps: friction counts from there [theory: C.28].
 Model reloaded(const Model& m, Scene scene, const Field* before, bool with_matrix = true) {
   Stopwatch watch;
   Prepared made(m.mesh, m.inner->kernel, std::move(scene), m.threads, &m.inner->skeleton);
@@ -525,6 +544,8 @@ Fields evaluate(const Model& model, const Field& state, Index t, const Points& x
   return evaluate(model.inner->kernel, triangle(model, t), state.interior.col(t), x);
 }
 
+/// 1/2 (A s, s) with the skew part of s in dev s (N.4), as the elements have it; the orthotropic share on the symmetric
+/// part.
 double strain_energy(const Model& m, const Field& s) {
   double energy = 0;
   for (Index t = 0; t < own_triangles(m); ++t) {
@@ -549,6 +570,7 @@ double strain_energy(const Model& m, const Field& s) {
   return energy;
 }
 
+/// Moments are means against the stress functions over the area of the triangle of the chords.
 double work_of_eigenstrain(const Model& m, const Field& s) {
   double work = 0;
   if (m.inner->data.strain.empty()) return work;
@@ -584,6 +606,7 @@ Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Poi
   return share * strain_at(m.inner->data.strain, t, barycentric(m, t, x));
 }
 
+/// The polynomial is one in (l1, l2), whose slopes by x are those of the triangle of the chords times D^-1 of its map.
 Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis) {
   const Mat2 inverse = barycentric_slopes(m.mesh, t);
   const Points l = barycentric(m, t, x);
@@ -599,6 +622,7 @@ Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, 
   return slope;
 }
 
+/// Tractions on the traces, body force by the moments that the element sees.
 double work_of_loads(const Model& m, const Field& s) {
   double work = 0;
   for (Index u = 0; u < m.inner->skeleton.total; ++u)

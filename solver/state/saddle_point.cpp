@@ -1,3 +1,13 @@
+// The saddle point (C.2) as it stands, factorized as a whole by UMFPACK: the reference for the condensed systems.
+// Unknowns are tractions T at the Gauss points of edges, one value for both sides, the stress functions of each
+// triangle without traction, u and omega; a crack is a set of interior edges on which T lies in the cone,
+//   T_n <= 0,   T_t = 0 at the Gauss points of cracks,   multipliers: the jumps   [theory: C.13].
+// Stress functions dual to the tractions come from C' = Q R P', C the moments of s n: Q R'^-1 P' has unit moments, the
+// rest of Q none. Rows in contact that move have given tractions, the others are solved for; a factor per set.
+// Displacements and rotations are multiplied by 2 mu, equations by h^2: all unknowns are stresses, all rows forces.
+// Nothing degenerates at nu = 1/2, so that no penalty is needed; in an enclosed body a multiplier fixes the mean
+// pressure. Derived in docs/theory/contact.md, section Saddle point without elimination.
+
 #include "solver/saddle_point.hpp"
 #include "solver/recovery.hpp"
 
@@ -50,6 +60,9 @@ struct Local {
   Eigen::VectorXd sign;  // of n per traction
 };
 
+// The sign turns the triangle's outward traction into that of the edge's own normal; share/h scales moments to values
+// at Gauss points. A rank below the number of moments at 1e-8 means a triangle so flat that its tractions depend on
+// each other.
 Local local(const Model& m, const Layout& layout, Index t) {
   const Triangle shape = triangle(m, t);
   Local l{local_system(m.inner->kernel, shape, material_of(m.mesh, m.scene, t), force_of(m.inner->system, t)),
@@ -156,6 +169,7 @@ LowerTriangle sum_up(Index size, const std::vector<Entry>& entries) {
   return a;
 }
 
+// Supports: <u_D, t n> with t dual to the traction at a Gauss point is share times u_D there.
 Saddle assemble_saddle(const Model& m, const Layout& layout) {
   Saddle saddle;
   saddle.load = Eigen::VectorXd::Zero(layout.size);
@@ -190,6 +204,8 @@ struct Given {
   Eigen::VectorXd fluid;       // and the force of the fluid in the crack, which the traction bears besides
 };
 
+// On free boundary edges and on open cracks tractions are known; rows in contact decide theirs. What the fluid in a
+// crack presses is borne besides.
 Given given_tractions(const Model& m, const Layout& layout) {
   const Skeleton& s = m.inner->skeleton;
   Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
@@ -290,6 +306,8 @@ struct Solver {
   }
 };
 
+// Residual relative to the largest right-hand side of the rows that are solved for, kkt with forces relative to the
+// largest traction.
 Certificate certificate_of(const Solver& s, const Eigen::VectorXd& x, const std::vector<ContactPoint>& points,
                            const Contact& contact) {
   Eigen::VectorXd known = x;
@@ -311,6 +329,7 @@ Certificate certificate_of(const Solver& s, const Eigen::VectorXd& x, const std:
 }
 
 // |2 strain energy - work of loads, supports and friction|, relative [theory: E.21]: from the stresses alone.
+// 2 strain energy plus (e, s) equals the work of loads, supports and contact: with an eigenstrain (H.4).
 double work_defect(const Model& m, const Field& state) {
   const Skeleton& s = m.inner->skeleton;
   const Kernel& k = m.inner->kernel;
@@ -334,6 +353,8 @@ double work_defect(const Model& m, const Field& state) {
 }
 
 // Base values of an edge are those of its left triangle, or the only one.
+// Traces follow from the equations tested with the dual functions: (A s, t) + (u, div t) + (r, as t) = <m, t n> has the
+// trace at one Gauss point on its right side.
 void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
   const Model& m = solver.m;
   const Layout& layout = solver.layout;

@@ -1,3 +1,13 @@
+// The state of a body whose parts several processes have. Each condenses its own triangles and knows neighbors around
+// them, so that with its own rows u it has all forces on them,
+//   r_u = F_u - sum_{T touching u} (K_T P_T x)_u,   x_u <- x_u + (K^-1 r)_u   [theory: E.34],
+// K^-1 by conjugate gradients of all processes (solver/system/bddc.cpp). The process that sees an unknown first answers
+// for it, and tells the others its values; x is kept in twice the precision. Contact is an active set: each set of held
+// rows is a system of its own, in which moving jumps are rows like all others [theory: C.31]. Uniform pressures of
+// nearly incompressible pieces take a solve each [theory: E.23]. Certificates are sums and largest values over
+// processes [theory: E.20, E.21]. All processes call the same functions in the same order: a branch that only some take
+// would leave the others waiting. Derived in docs/theory/elements.md, section Solving in parts.
+
 #include "solver/state/shared_body.hpp"
 
 #include "base/dense.hpp"
@@ -29,6 +39,7 @@ double sum(Peers& peers, double value) {
   return value;
 }
 
+// Among processes, by the triangles that hold on to each other (solver/system/parted.hpp).
 std::vector<Index> shares(const Model& m, Ranks& ranks) {
   return partition({m.mesh, m.inner->kernel, m.inner->skeleton, m.scene, m.inner->data, m.inner->ordering}, ranks);
 }
@@ -72,6 +83,7 @@ Places jumps(const Model& m, Index t) {
 
 }  // namespace
 
+// The balance comes before contact is found: it makes the model anew.
 SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
                        const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole)
     : peers(with),
@@ -115,6 +127,8 @@ void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
   model = prepare_part(std::move(mesh), model.element, std::move(scene), model.threads, std::move(own), floating);
 }
 
+// Numbers of rows: those of process 0 first, each process's in the order of its unknowns; neighbors learn them from
+// those who answer. Held rows have no number, so that a new set is a new system.
 void SharedBody::Impl::hold(const std::vector<bool>& held) {
   if (now.solver && now.held == held) return;
   effort_before = effort();
@@ -161,6 +175,9 @@ PartedEffort SharedBody::Impl::effort() const {
   return e;
 }
 
+// Two exchanges: from those who answer for an unknown to the processes that show them its triangle; then from every
+// process, which knows what its own triangles see, to neighbors of neighbors. Without `seen_here` a value that nobody
+// had told would overwrite one that is known.
 template <typename Where>
 void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>& holder, const Where& where) {
   std::vector<bool> seen_here(static_cast<std::size_t>(values.size()), false);
@@ -195,6 +212,8 @@ void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>&
   once([&](Index u, Index) { return !seen_here[u]; });
 }
 
+// Points of all processes are known to all, because the active set decides on all of them at once, on every process
+// alike.
 void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
   const Skeleton& s = model.inner->skeleton;
   const Ordering& o = model.inner->ordering;
@@ -250,6 +269,7 @@ std::vector<Motion> SharedBody::Impl::first_motions(const ContactGuess& guess) {
   return gathered(peers, own);
 }
 
+// Every row is own on one process, so that the sum puts the pieces together.
 Eigen::VectorXd SharedBody::Impl::on_contact(const Eigen::VectorXd& values) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(contact_rows);
   for (std::size_t i = 0; i < own_contact.size(); ++i)
@@ -258,6 +278,8 @@ Eigen::VectorXd SharedBody::Impl::on_contact(const Eigen::VectorXd& values) {
   return all;
 }
 
+// The unknowns of a solve on a crack that parts freely are z = (u, u + [u]): a force f_j on the jump acts on the
+// second, and is taken off the first (E.30).
 Eigen::VectorXd SharedBody::Impl::on_own_rows(const Eigen::VectorXd& forces) const {
   Eigen::VectorXd right(now.own_rows());
   for (Index i = 0; i < now.own_rows(); ++i) {
@@ -273,6 +295,7 @@ Index SharedBody::Impl::jump_at(Index base) const {
   return first == none ? none : first + base % s.per_edge;
 }
 
+// Back from z: the jump moves by z_j - z_u.
 void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
   const Skeleton& s = model.inner->skeleton;
   Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total), moved = z;
@@ -298,6 +321,8 @@ double SharedBody::Impl::force_of_rounding(double largest) const {
   return std::numeric_limits<double>::epsilon() * stiffness * mu * largest;
 }
 
+// As judge in solve.cpp, with sums and largest values over processes. Each unknown counts where it is answered for,
+// triangles where they are own.
 void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   const Skeleton& s = model.inner->skeleton;
   const Ordering& o = model.inner->ordering;
@@ -344,6 +369,8 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
 }
 
+// The active set asks for responses; each is the body moved on by what its forces leave unmet, so that later sets begin
+// near their solution. Held jumps are put to first contact before, which leaves new forces unmet.
 void SharedBody::Impl::correct(Round& r, State& state) {
   if (contact_rows == 0) {
     hold({});
@@ -388,6 +415,7 @@ Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
   return sum;
 }
 
+// As UniformPressure::prepare, per unknown instead of per row: the responses of all unknowns seen here are kept.
 void SharedBody::Impl::find_responses(int& solves) {
   if (uniform.response.size() > 0 && uniform.held == now.held) return;
   const Skeleton& s = model.inner->skeleton;
@@ -431,6 +459,7 @@ void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, boo
   r.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
 }
 
+// As UniformPressure::correct; the small matrix is the same on all processes.
 void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit) {
   find_responses(solves);
   Eigen::VectorXd theta = r.theta;
@@ -468,6 +497,7 @@ void SharedBody::Impl::take_out_level(const Loads& loads, Round& r) {
   for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] -= penalty_at(model, t) * sums[0] / sums[1];
 }
 
+// r.K^-1 r of (E.21) takes one more solve.
 State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   State state;
   Stopwatch watch;
