@@ -1,3 +1,5 @@
+// Gauss rules for the weight s^b on [0, 1], from the eigenvalues of the Jacobi matrix [Golub, Welsch 1969].
+
 #include "solver/data/jacobi.hpp"
 
 #include <Eigen/Eigenvalues>

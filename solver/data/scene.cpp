@@ -1,3 +1,12 @@
+// All data of a scene on a mesh, once: per label the edges and what acts on them, pressures in cracks, body force,
+// eigenstrain (edge.cpp, triangle.cpp, strain.cpp), and what of them the rules do not resolve, one place per condition.
+// Reported are
+//   open (neither proof nor samples settle it), sampled only, prescribed displacements that jump (infinite energy),
+//   squares that are not integrable, and gaps g that do more along an edge than a line,
+//   sum_e |g - line|_e^2 > 0.1^2 sum_e |g|_e^2.
+// All but "sampled" stop bounds and claims on the error. Which datum is enclosed by what: docs/theory/data.md, section
+// What stands behind a guarantee [theory: D.2, D.3, D.4].
+
 #include "solver/data.hpp"
 #include "solver/data/all_triangles.hpp"
 
@@ -65,11 +74,13 @@ void add_unseen_gap(const Mesh& mesh, const CrackLaw& law, Index crack, std::vec
 
 }  // namespace
 
+// Such data need no looks: the rules of all elements integrate them exactly.
 bool is_polynomial(const VectorField& f) {
   constexpr int exact = 4;  // that the rules integrate against the displacements of every element
   return f.known() && f.known()->degree() >= 0 && f.known()->degree() <= exact;
 }
 
+// By the enclosure over the box about the mesh: at least the largest value, where that is finite.
 double size_over(const VectorField& f, const Mesh& mesh) {
   if (!f.known()) return 0;
   Interval x{infinity, -infinity}, y = x;
@@ -140,6 +151,8 @@ const std::vector<Index>& labeled(const SceneData& data, Index label) {
   return label < 0 || label >= static_cast<Index>(data.edges.size()) ? nothing : data.edges[label];
 }
 
+// Tractions are densities on the edge: on a curved edge they count times |dx/ds| over the chord. Prescribed
+// displacements and pressures are values; the pressure gets the length with its normal (solver/system/skeleton.cpp).
 SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) {
   SceneData data;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {

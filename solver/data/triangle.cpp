@@ -1,3 +1,13 @@
+// Data on triangles, body forces and eigenstrains, proved where expressions are known. Over the box about a cell a
+// polynomial T of degree 4 or 7 is near f; what is left goes into the integral with any weight w,
+//   |f - T| <= delta,   |int f w - sum_q w_q (f w)(x_q)| <= 2 delta int |w|   [theory: D.4].
+// A triangle is settled when what its range or a polynomial leaves of each component is at most 5e-6 of the mean of |f|
+// over the body; else it is cut in four, the worst cell first, until 1e-6 are left in all or the looks are spent. Where
+// proofs leave too much, rules of two degrees that agree to 1e-6 are taken, and the cell counts as sampled. Black boxes
+// are settled where a finer rule gives the same mean. A triangle that was cut carries the projection onto P_4, and what
+// that leaves out. Looks are shared out over the body (`SharedLooks`). Derived in docs/theory/data.md, sections
+// Triangles and Black boxes.
+
 #include "solver/cut_triangle.hpp"
 #include "solver/data.hpp"
 #include "solver/data/all_triangles.hpp"
@@ -67,6 +77,7 @@ double largest_of(const std::array<Interval, 2>& range, double size) {
   return size;
 }
 
+// Shares of the triangle: its errors and areas are relative to the triangle's area, so that means over it are sums.
 struct Cell {
   Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
   Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
@@ -179,6 +190,8 @@ class TriangleIntegration {
   }
 
   // Known: settled where the range of each component is narrow, or Taylor's polynomial leaves little of it.
+  // A range that is narrower inside than on the whole box belongs to a field that jumps along the cell's edge: the rim
+  // alone, 1e-12 of the size, keeps the whole range.
   void enclose(Cell& c) const {
     auto [x, y] = box_of(c);
     c.range = f_.known()->over(x, y);
@@ -273,6 +286,7 @@ class TriangleIntegration {
   }
 
   /// Of a black box next to nothing: it is not asked again what the difference of two rules may hide.
+  /// The least that is worth a look: beside the integral for what is known, beside the largest value for a black box.
   double left_open() const {
     constexpr double of_samples = 1e-7;
     return f_.known() ? of_cells * std::max(scale_, size_) : std::max(of_samples * scale_, narrow * size_);
@@ -298,6 +312,8 @@ class TriangleIntegration {
     return true;
   }
 
+  // Half of the looks, at least 120, wait for a proof; after these, what rules agree on is taken where proofs leave
+  // more than 1e-3.
   void refine() {
     const int proofs = std::max(120, looks_ / 2);  // looks that wait for a proof
     bool waits = true, samples = false;
@@ -321,6 +337,8 @@ class TriangleIntegration {
     if (waits) take_samples();
   }
 
+  // What f and its projection differ by: at the points where a polynomial is near f, with what that leaves; by the
+  // range, against the least and largest value of the projection at points, where it alone is known.
   void collect(TriangleValues& result) const {
     const Eigen::MatrixXd basis = monomials(kept_degree, rule_.x);
     const Eigen::MatrixXd mass = multiply_transposed(basis * rule_.w.asDiagonal(), basis);
@@ -420,6 +438,9 @@ class SharedLooks {
     for (const Index t : which_) area_ += area(cell_(t));
   }
 
+  // Sizes |f| first, by few points, since what counts as little is relative to the mean over the body. One look at each
+  // triangle, then 5, 30, 120, 500 and 2000 at those that leave most: half of what is left of the budget at a time, all
+  // of it in the end.
   std::vector<TriangleValues> run() && {
     static const TriangleRule few = triangle_rule(5);
     for_each_open(open_.size(), [&](std::size_t k, const Triangle& t) {
@@ -454,6 +475,7 @@ class SharedLooks {
       if (!settled[i]) open_[left++] = open_[i];
     open_.resize(left);
   }
+  // The mean of |f| over the body, of the larger component; not less than rounding of the largest value.
   double mean() const {
     constexpr double nothing = 1e-13;
     Vec2 sum = Vec2::Zero();
@@ -463,6 +485,8 @@ class SharedLooks {
   double left(std::size_t k) const {
     return area(cell_(which_[k])) * values_[k].error;
   }
+  // In triangles smaller than the usual one more may be left by the root of the area ratio, ten times at most: their
+  // errors add up to the same share of the integral.
   TriangleIntegration at(const Triangle& t, double mean, int looks, double share, bool may_sample) const {
     constexpr double most = 10;
     const double usual = area_ / static_cast<double>(which_.size()),
@@ -515,6 +539,7 @@ class SharedLooks {
 
 }  // namespace
 
+// The values at the points are those of a polynomial of degree 4, which the rule reproduces.
 Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, const Points& l) {
   const Eigen::MatrixXd basis = monomials(kept_degree, rule.x), weighted = basis * rule.w.asDiagonal();
   const Eigen::MatrixXd moment = multiply(weighted, Eigen::MatrixXd(values.at.transpose()));
@@ -522,6 +547,7 @@ Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, con
   return transposed_multiply(monomials(kept_degree, l), coefficients).transpose();
 }
 
+// Of degree 4 on each quarter.
 const TriangleRule& finer_rule() {
   static const TriangleRule rule = [] {
     static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
@@ -549,6 +575,7 @@ std::optional<TriangleValues> first_look(const Eigen::Ref<const Points>& at, con
   return v;
 }
 
+// Curved triangles are looked at once: no cutting.
 TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule, double size,
                                const char* what) {
   if (!is_curved(cell)) return triangle_values(f, cell.x, rule, size, what);

@@ -1,7 +1,7 @@
 // The state of a body whose parts several processes have. Each condenses its own triangles and knows neighbors around
 // them, so that with its own rows u it has all forces on them,
 //   r_u = F_u - sum_{T touching u} (K_T P_T x)_u,   x_u <- x_u + (K^-1 r)_u   [theory: E.34],
-// K^-1 by conjugate gradients of all processes (solver/system/bddc.cpp). The process that sees an unknown first answers
+// K^-1 by conjugate gradients of all processes (solver/system/bddc.cpp). The first process that sees an unknown answers
 // for it, and tells the others its values; x is kept in twice the precision. Contact is an active set: each set of held
 // rows is a system of its own, in which moving jumps are rows like all others [theory: C.31]. Uniform pressures of
 // nearly incompressible pieces take a solve each [theory: E.23]. Certificates are sums and largest values over
