@@ -1,5 +1,10 @@
-// Gauss-Legendre rules on [0, 1] by Newton's method, symmetric rules on the triangle up to degree 5 [Dunavant 1985],
-// and products of Gauss rules collapsed onto the triangle above.
+// Quadrature. On [0, 1] Gauss-Legendre rules of n points, exact to degree 2 n - 1: the zeros of P_n by Newton's method
+// on
+//   k P_k = (2 k - 1) x P_(k-1) - (k - 1) P_(k-2),   w_i = 1/((1 - x_i^2) P_n'(x_i)^2),
+// half of the weights on [-1, 1]. On the triangle symmetric rules up to degree 5 [Dunavant 1985], and above products of
+// Gauss rules, collapsed by (r, s) -> (r (1 - s), r s). With k + 1 points on an edge the nodal basis at the points is
+// orthogonal, which makes traces and tractions meet point by point [theory: E.5]; docs/theory/elements.md, section
+// Hybridization.
 
 #include "solver/quadrature.hpp"
 
