@@ -150,6 +150,7 @@ class Bddc : public SharedSolver {
     Index first = 0;            // of them in the small problem
   };
 
+  /// Numbers of process p are consecutive, those of lower processes before.
   std::vector<Index> rows_owned(const RankPart& part) const {
     const std::vector<Index> counts = gathered(peers_, std::vector<Index>{part.owned});
     const Index first = std::reduce(counts.begin(), counts.begin() + peers_.here());
@@ -159,6 +160,7 @@ class Bddc : public SharedSolver {
     if (static_cast<Index>(own.size()) != part.owned) throw std::logic_error("a process owns what it does not have");
     return own;
   }
+  // The lower process of a piece solves its eigenproblem, and counts its rows in products.
   bool counts(const Border& piece) const {
     return peers_.here() < piece.with;
   }
@@ -315,6 +317,8 @@ class Bddc : public SharedSolver {
     return S_.block(piece.begin, piece.size()).template selfadjointView<Eigen::Lower>() * x;
   }
   /// The sum of D_p' (the least energy under D_p r, moments continuous), D_p = S_p (S_p + S_q)^-1 on each piece.
+  /// Weights of both sides add up to the identity: D_p + D_q = (S_p + S_q)(S_p + S_q)^-1 on a piece. The moments u
+  /// solve the small problem; z gets V G^-1 (u - V'f) on top of S^^-1 f (E.36).
   VectorXd precondition(const VectorXd& r) {
     VectorXd f = r;
     on_pieces(f, [&](const Side& s, const Border& piece, const VectorXd& of) {
@@ -335,6 +339,7 @@ class Bddc : public SharedSolver {
     return m.size() > 0 ? kerf::solve(moments_, m) : m;
   }
 
+  /// Times and memory are the largest of all processes; the first one's peak is told apart.
   void tell(const SharedGradients::Solved& solved, double seconds) {
     std::array<double, 3> most{sent_ / std::max(1, solved.iterations), seconds, peers_.here() == 0 ? 0 : peak_mb()};
     peers_.largest(most);

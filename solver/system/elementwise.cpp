@@ -71,6 +71,7 @@ Traced trace_exactly(const Model& m, const Twofold& values, Index t) {
 }
 
 // What the local problems give back is added in the order of the triangles, whatever the number of threads.
+// A force on what the right side sees, u + j, acts on u and on j.
 Eigen::VectorXd scattered_to_edges(const Model& m, const Eigen::MatrixXd& local) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index t = 0; t < static_cast<Index>(local.cols()); ++t) {
@@ -271,6 +272,7 @@ Elementwise::Product multiply_elementwise(const Model& m, const Twofold& values)
   return {scattered_to_edges(m, forces), energy.sum()};
 }
 
+// n (n + 1)/2 numbers per triangle, 78 for bdms of degree 1: memory for time, where products are many.
 Elementwise::Elementwise(const Model& m) : m_(m) {
   const int n = skeleton_count(m.element);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());

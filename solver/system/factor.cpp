@@ -69,6 +69,7 @@ struct Factor::Impl {
     numeric.emplace(std::move(found.supernodes));
   }
 
+  // `values` is kept between factorizations of one pattern: its memory is most of all there is.
   void factorize(const LowerTriangle& lower, Index last) {
     check_stop();
     if (!values) values = KeptBlock(static_cast<std::size_t>(numeric->entries()));
@@ -127,6 +128,7 @@ struct Factor::Impl {
           contact_factor.triangularView<Eigen::Lower>().solve(b.tail(contact) - on_contact(y.head(first)));
     return y;
   }
+  // x_C = L^-T y_C, x_I = y_I - K_II^-1 K_IC x_C.
   Eigen::VectorXd lead_backward(Eigen::VectorXd y) const {
     const Eigen::Index contact = contact_rows(), first = size - contact;
     if (contact == 0) return y;
@@ -209,6 +211,7 @@ Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, In
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
 }
 
+// No rows in contact: `sequence` may put any row anywhere.
 Factor::Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads)
     : impl_(std::make_unique<Impl>()) {
   use_one_thread();
@@ -278,6 +281,7 @@ Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
   return impl_->forward(b);
 }
 
+// With LU the whole solve is in the first half.
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
   if (impl_->size == 0 || impl_->lu) return y;
   return impl_->leading ? impl_->lead_backward(y) : impl_->backward(y);
@@ -303,6 +307,7 @@ Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y, const std::vector<boo
   return impl_->backward(y, &fronts);
 }
 
+// Rows of K to places in the order of elimination.
 std::vector<bool> Factor::fronts_above(const std::vector<Index>& rows) const {
   if (!impl_->numeric) throw std::invalid_argument("Factor: fronts of a definite matrix only");
   std::vector<bool> asked(static_cast<std::size_t>(impl_->size), false);

@@ -1,5 +1,9 @@
-// Conjugate gradients [Hestenes, Stiefel 1952] on vectors that processes share, every direction made conjugate to all
-// before it, those of earlier right-hand sides included [theory: E.36].
+// Conjugate gradients [Hestenes, Stiefel 1952] on vectors that processes share, for one matrix A and many right-hand
+// sides. Every direction p is made conjugate to all before it, those of earlier right-hand sides included,
+//   p = z - P (P'A z),   P'A P = I,   x <- x + (p.r/p.A p) p,
+// and a solve begins with x = P P'b. What rounding and a few eigenvalues far from the others cost is paid once, at the
+// price of the memory of P and A P [theory: E.36]. A product over processes counts each row where it is `counted`; sums
+// have the same bits on all, so that all take the same steps. docs/theory/elements.md, section Solving in parts.
 
 #include "solver/system/gradients.hpp"
 

@@ -171,6 +171,7 @@ void HeldFactors::border(const LowerTriangle& K, const std::vector<Index>& chang
   small_.bottomLeftCorner(more, before) += products.topRows(before).transpose();
 }
 
+// v of (C.32), for the columns of the rows that differ now: others that have entered before stay out.
 Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& y,
                                          const Eigen::VectorXd& b) const {
   const Index leading = static_cast<Index>(sequence_.size()) - contact_rows_;
@@ -182,6 +183,8 @@ Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, cons
   return small_(at, at).partialPivLu().solve(rest);
 }
 
+// A search solves for the same loads on set after set: the first half is kept while the right-hand side is the same
+// number by number.
 const Eigen::VectorXd& HeldFactors::half_solved(Eigen::VectorXd right) {
   if (right_.size() != right.size() || right_ != right) {
     y_ = last_->forward(right);

@@ -129,6 +129,7 @@ struct Multifrontal::Run {
         left(static_cast<std::size_t>(m.s_.count()), nullptr),
         kept(left.size()) {}
 
+  /// Where each row of L is in the front: an array of the size of L's rows, which is never cleared.
   static void find_places(const Front& f, std::vector<Index>& place) {
     for (Index i = 0; i < f.height; ++i) place[static_cast<std::size_t>(f.rows[i])] = i;
   }
@@ -217,6 +218,7 @@ struct Multifrontal::Run {
   }
 
   /// Columns begin .. end of the front's panel, into L.
+  /// Rounded to Scalar here and nowhere before: S and what fronts leave are double.
   void store(const Work& f, Index s, Index begin, Index end) const {
     Scalar* panel = values + of.place_[static_cast<std::size_t>(s)];
     for (Index j = begin; j < end; ++j) {
@@ -249,6 +251,8 @@ struct Multifrontal::Run {
 
   /// What the front leaves is made on top of the stack, then moved down to where that of its children was; `in_last`:
   /// in `last`.
+  /// Steps: entries of K, what children leave, elimination, store. The rest is made on top of the stack while the
+  /// children's lie below it, then moved down over them.
   bool perform(Index s, Arena& arena, std::size_t& top, bool together, bool in_last) {
     const Work f{of.front(s), arena.panel.get()};
     double *lowest = arena.stack.get() + top, *rest = in_last ? last.data() : lowest;
@@ -280,6 +284,7 @@ struct Multifrontal::Run {
     return true;
   }
 
+  /// A front with no parent whose rest is not empty sees kept columns: that goes to `last`.
   void single(Index s, Arena& arena, std::size_t& top) {
     if (!definite) return;
     check_stop();

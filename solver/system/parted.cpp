@@ -73,6 +73,7 @@ struct PartGraph {
 };
 
 // Triangles that hold on to each other, not across cracks that part freely.
+// Across a crack that parts freely nothing is shared, so that cutting there is free.
 PartGraph graph_of(const Assembly& from) {
   PartGraph g;
   g.start.push_back(0);
@@ -163,6 +164,7 @@ Corners corners_at_free_cracks(const Assembly& from) {
   return split_at(from.mesh, cut);
 }
 
+// The least number among the processes that see an unknown; a jump belongs to that of its crack's right side.
 std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& o, const std::vector<Index>& process) {
   std::vector<Index> holder(static_cast<std::size_t>(s.total), none);
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
@@ -181,6 +183,8 @@ std::vector<Index> partition(const Assembly& from, Ranks& ranks) {
   return in_one_piece(graph, ranks.partition(graph.start, graph.neighbors));
 }
 
+// Rows of a part are in the order of their numbers among all, so that both sides of a border list what they share in
+// the same order.
 std::string packed_part(const Packing& by, std::span<const Index> triangles, Index owned) {
   const Assembly& from = by.from;
   std::vector<Index> rows;  // of the leading rows that it sees the numbers, in order
@@ -321,6 +325,7 @@ void get(Unpacker& from, int count, PackedCell& cell) {
 }
 
 /// The rows of all triangles, `count` each, and their corners.
+/// All that the pattern of K_p needs; three edges and three corners per triangle.
 struct Seams {
   std::vector<Index> rows;
   std::vector<std::array<Index, 3>> corners;
@@ -388,6 +393,8 @@ void set_pattern(const Seams& all, int count, RankPart& part) {
 
 }  // namespace
 
+// Unknowns at vertices would belong to more than two parts; unseen traces leave parts singular beyond rigid motions;
+// quasi-definite matrices have no conjugate gradients.
 bool can_be_parted(const Element& e) {
   return is_mixed(e) && e.at_vertices == AtVertices::Nothing && !has_unseen_traces(e) && is_definite(e);
 }

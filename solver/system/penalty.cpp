@@ -33,6 +33,8 @@ Loads loads_of(const Model& m) {
   return l;
 }
 
+// Rows to unknowns, with the values of those that are not solved for; of contact rows with a gap or a slip of the step
+// before both add up: j = k - g.
 Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* given) {
   Eigen::VectorXd all(m.inner->skeleton.total);
   for (Index u = 0; u < m.inner->skeleton.total; ++u) {
@@ -143,6 +145,7 @@ Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd&
   return x;
 }
 
+// The block of the moving rows is factorized once for all rounds with the same set.
 Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::vector<Motion>& motion) const {
   std::vector<bool> held(motion.size());
   for (std::size_t i = 0; i < held.size(); ++i) held[i] = motion[i] == Motion::Held;
@@ -295,10 +298,13 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
   if (level_open) without_level(m, loads, s);
 }
 
+// A product K x is known to a unit in the last place of |K| |x| (E.17).
 double rounding_of(const Model& m, const Eigen::VectorXd& x, double load) {
   return std::numeric_limits<double>::epsilon() * multiply_sizes(*m.inner->system.K, x).maxCoeff() / load;
 }
 
+// A round is one solve, its uniform pressures, one step of theta, the loads of that. The best round is kept: with a
+// penalty errors may rise before they fall.
 PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
                        const PenaltySteps& steps) {
   const Model& m = condensed.m;

@@ -43,6 +43,7 @@ std::vector<bool> on_curves(const Mesh& mesh) {
 
 }  // namespace
 
+// A rotation w about c0 with translation t at c: r(x) = 0 at x = c + (-t_2, t_1)/w.
 std::string describe(const RigidMotion& m) {
   // Tidy the numbers of the eigenvectors: -0 and 1e-17 do not help anybody.
   const auto tidy = [](double v, double scale) { return std::abs(v) < 1e-4 * scale ? 0.0 : v; };
@@ -111,6 +112,7 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
   return motions;
 }
 
+// Rotations at vertices have the sign of (N.1), opposite to the usual one.
 Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion) {
   Eigen::VectorXd value = Eigen::VectorXd::Zero(s.base);
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
@@ -203,6 +205,7 @@ Points seen_points(const Kernel& k, const Triangle& t, const TriangleRule& rule)
   return k.element.displacement == 0 ? Points(centroid(t).replicate(1, rule.w.size())) : rule_points(rule, t);
 }
 
+// Over the first triangles, which are own ones in a part.
 Eigen::MatrixXd gram_of(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
                         Index triangles) {
   const auto n = static_cast<Eigen::Index>(motions.size());

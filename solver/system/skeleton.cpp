@@ -161,6 +161,8 @@ Index corner_of(const Mesh& mesh, const Skeleton& s, Index e, int end) {
 }
 
 // Displacement elements: at a corner the supports of the edges that meet there add up, two directions at most.
+// With axes e_1, e_2 of the corner and the value along e_1 known, a second direction d gives the value along e_2: (v -
+// (d.e_1) u_1)/(d.e_2). Directions closer than 1e-3 count as one.
 void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   for (const Support& support : scene.supports)
     for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
@@ -195,6 +197,8 @@ void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
 
 // Stresses at vertices: sigma n = g on every edge that is not supported there, in the mean of squares where two edges
 // meet in a corner. Without this the order of the element falls by half [theory: E.16].
+// A row d.(s n) on (s11, s22, sqrt(2) s12) is (d_1 n_1, d_2 n_2, (d_1 n_2 + d_2 n_1)/sqrt(2)). The right singular
+// vectors become the frame of the corner: what the tractions say are its first components, the rest stays free.
 void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   struct Rows {
     Eigen::Matrix<double, Eigen::Dynamic, 3> rows;
@@ -290,6 +294,8 @@ const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
   return s.bent_at[edge] == none ? s.frame[edge] : s.bent[s.bent_at[edge] + point];
 }
 
+// Frames of chords with a prescribed normal (a crack on an arc) are known at Gauss points alone: between these the
+// edge's own stands.
 Mat2 frame_between(const Mesh& mesh, const Skeleton& s, Index edge, double at) {
   if (s.bent_at[edge] == none || !bow_at(s.bows, edge)) return s.frame[edge];
   return frame_on_bow(mesh, s, edge, at, s.frame[edge].col(0));
@@ -325,6 +331,8 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) 
   return true;
 }
 
+// The unknowns: edges, corners, jumps. A continuous rotation has a copy for each fan between open cracks and between
+// materials: with single values across a crack the error at its tips falls more slowly.
 Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const Bows& bows) {
   const Scene& scene = loading.scene;
   check_element(mesh, k.element, scene);
@@ -386,6 +394,7 @@ const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
   return region == none ? scene.material : scene.regions[region];
 }
 
+// The triangle points into the skeleton's frames and bows, which must outlive it.
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
   Triangle result = cell_of(mesh, s.bows, t);
   for (int i = 0; i < 3; ++i) {
@@ -417,6 +426,7 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
   return result;
 }
 
+// Base plus jump on the right of a crack (C.3).
 SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t) {
   const Seen view = seen(mesh, s, t);
   SkeletonVector trace(view.count);

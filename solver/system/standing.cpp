@@ -68,6 +68,7 @@ Eigen::MatrixXd unseen_by(const Eigen::MatrixXd& rows) {
 }
 
 /// Of a combination, what the piece that moves most does.
+/// For messages: the sizes are those of the shares, in units of the radius of each piece.
 PieceMotion leading(const Standing& standing, const Eigen::VectorXd& share) {
   std::vector<double> size;
   for (std::size_t i = 0; i < standing.motions.size(); ++i) {
@@ -98,6 +99,7 @@ std::string named(const PieceMotion& m) {
 struct FaceUnknowns {
   std::vector<Index> resisting, sliding;
 };
+/// Tangential jumps without friction resist nothing, and are candidates for rows of no law.
 FaceUnknowns face_unknowns(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
   FaceUnknowns f;
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c) {
@@ -158,6 +160,8 @@ Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, 
 namespace {
 
 /// Forces of contact on a motion, by unit pressures: a column per ray of the cones.
+/// Rays of the cone at a Gauss point: n, or with friction its edges n + f t and n - f t, and +-t where a slip bound
+/// acts on open points as well.
 Eigen::MatrixXd rays(const Numbered& of, const Eigen::MatrixXd& jumps) {
   const Skeleton& s = of.skeleton;
   const Index leading = of.ordering.size - of.ordering.contact_rows;
@@ -249,6 +253,8 @@ Eigen::MatrixXd rays(const std::vector<Foot>& feet, Eigen::Index motions) {
 /// How rigid pieces at rest begin to move under the work `f` per motion: the forces at their feet press where they do
 /// not part and rub against the way they slide, at most by friction times what presses (complementarity, by projected
 /// Gauss-Seidel [Moreau 1988]). Motions have unit mass.
+/// One sweep over the feet changes one force after the other so that its own point obeys the law; motions follow at
+/// once (Gauss-Seidel). Slip bounds stop any slide here: only what Coulomb and contact allow is named.
 Eigen::VectorXd beginning(const std::vector<Foot>& feet, const Eigen::VectorXd& f) {
   constexpr int most = 20000;
   constexpr double settled = 1e-12;
@@ -288,6 +294,7 @@ Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
 
 }  // namespace
 
+/// Slides get the mean of the diagonal for a stiffness: S stays definite, and the state is the one that slides least.
 void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
   if (empty()) return;
   S.diagonal() -= springs;

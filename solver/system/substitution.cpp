@@ -76,6 +76,7 @@ void pull(const FrontPanel<Scalar>& panel, Index from, Index step, Index row, In
 }
 
 /// x <- l^-1 x for the diagonal block of columns from .. from + n, of one eight.
+/// Forward substitution with an eight of columns: y_k = x_k/l_kk, then x_i -= l_ik y_k.
 template <typename Scalar>
 void divide_panel(const FrontPanel<Scalar>& panel, Index from, Index n, double* x) {
   for (Index k = 0; k < n; ++k) {
@@ -130,6 +131,8 @@ struct Multifrontal::Substitution {
     for (Eigen::Index c = 0; c < count; ++c)
       push(f.panel, from, step, row, rows, w + c * f.height + from, w + c * f.height + row);
   }
+  /// Rows of the own block, then all rows behind it up to `end`, take what an eight makes: each panel column is read
+  /// once.
   void forward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (; from < to; from += block) {
       const Index step = std::min(block, to - from), behind = from + step;
@@ -160,6 +163,7 @@ struct Multifrontal::Substitution {
     for (Index i = 0; i < items; ++i) body(i);
   }
 
+  /// Forwards each row behind the tile is changed by itself: threads take strips of rows.
   void forward_in_front(const ConstFront& f, double* w, bool together) const {
     if (!is_large(f)) return forward_in_blocks(f, w, 0, f.width, f.height);
     for (Index from = 0; from < f.width; from += tile) {
@@ -169,6 +173,8 @@ struct Multifrontal::Substitution {
            [&](Index i) { push_from(f, w, from, to - from, to + i * strip, std::min(strip, rows - i * strip)); });
     }
   }
+  /// Backwards each column of the tile is a sum over all rows below: threads take columns, 32 at a time, and sums keep
+  /// their order.
   void backward_in_front(const ConstFront& f, double* w, bool together) const {
     if (!is_large(f)) return backward_in_blocks(f, w, 0, f.width, f.height);
     constexpr Index few = 32;
@@ -251,6 +257,7 @@ struct Multifrontal::Substitution {
       if (!u.subtree) forward_front(of.sequence_[u.begin], room, of.columns_, nullptr, 0, true);
   }
 
+  /// From the root down; the rows of others are read, never written, so that subtrees need no arrays.
   void backward() {
     const auto wanted = [&](Index s) { return !marked || (*marked)[static_cast<std::size_t>(s)]; };
     Room top;

@@ -240,6 +240,8 @@ Nodes nodes_of(const LowerTriangle& a) {
 }
 
 // Its order is one of the nodes. `postorder`: else the order must stay as it is.
+// Supernodal analysis with the order as it comes, postordered or not. Relaxation merges supernodes at the price of some
+// zeros.
 Symbolic analyze_nodes(const Nodes& nodes, bool postorder) {
   Session session;
   cholmod_common& c = session.c;
