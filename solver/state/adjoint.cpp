@@ -285,6 +285,7 @@ Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const TangentC
   return jump;
 }
 
+// The matrix of a cone with slides is not symmetric, and made of the dense S.
 void slide(Condensation& condensed, const TangentCone& cone, bool transposed) {
   if (cone.sliding.empty()) return;
   if (has_large_contact(condensed.m))
@@ -299,6 +300,7 @@ void require_rows(const Model& m, const TangentCone& cone, const char* who) {
     throw std::invalid_argument(std::string(who) + ": one entry per row in contact is needed");
 }
 
+// Adjoints have strains theta of their own: the rounds find them with the dual means.
 Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
   return {penalty_at(m, t), m.inner->system.penalty > 0 ? s.theta[t] : 0};
 }
@@ -366,6 +368,7 @@ std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   return status;
 }
 
+// Biactive rows move: their one-sided answer is built on that (A.12, A.13).
 std::vector<bool> tied(const std::vector<ContactStatus>& status) {
   std::vector<bool> held(status.size());
   for (std::size_t i = 0; i < held.size(); ++i) held[i] = status[i] == ContactStatus::Closed;
@@ -439,6 +442,8 @@ Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields
   return weigh(model.inner->kernel, triangle(model, t), x, weights);
 }
 
+// The interiors follow from the traces less their rigid motion, under the triangle's own -J; the motion is added to p
+// and rho alone, since it has no stress zeta.
 TangentField solve_adjoint(const Model& m, const Sensitivity& given, const TangentCone& cone) {
   require_rows(m, cone, "solve_adjoint");
   const Sensitivity dJ = balanced(m, given);
@@ -601,6 +606,7 @@ class Halves {
   }
 
   /// The reading by the skeleton, and what it finds in the prescribed values.
+  /// The dual load of a triangle is the derivative of the reading by its traces, the interior eliminated (A.6).
   std::pair<HalfSolved::Column, double> of_reading(const Reading& r) const {
     const SkeletonVector by =
         condense_dual(m_.inner->kernel, triangle(m_, r.t), material_of(m_.mesh, m_.scene, r.t), r.weights).F;
@@ -713,6 +719,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& dJ, const std::vec
   return solve_adjoint(m, dJ, TangentCone(held));
 }
 
+// J_(j_t) = p_t of (A.17), frozen. Forces of closed normal rows are in it, too, but their jumps do not change.
 Sensitivity work_of_slips(const Field& s) {
   return {.interior = {}, .skeleton = s.force, .force = {}};
 }

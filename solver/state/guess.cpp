@@ -1,5 +1,9 @@
-// A first set for contact from another mesh: what the faces do along the share of each crack's length, and where
-// contact ends between two points, by pressures that fall like the root of the distance from there [theory: C.33].
+// A first set for contact from another mesh of the same body: what the faces do along the share of each crack's length,
+// open or closed and the sign of the slide. Contact ends between two points of that mesh, where the pressure, which
+// falls like the root of the distance from the end, has fallen to nothing: with the last two pressures p_1 < p_2 at
+// distance s
+//   d_1 = s p_1^2/(p_2^2 - p_1^2)   [theory: C.33].
+// Many cracks and large contact need few sets then. Derived in docs/theory/contact.md, section Large contact.
 
 #include "solver/state/guess.hpp"
 

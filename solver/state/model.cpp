@@ -121,6 +121,7 @@ void note_corner_loads(const Mesh& mesh, const Kernel& k, const Scene& scene, co
 }
 
 /// Where the small matrix of contact has to be dense. Throws Error(Numerics) that names where the many edges are.
+/// The dense S takes rows^2 numbers and rows^3 work.
 void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
   constexpr Index most = 9000;  // half a minute and two gigabytes
   if (rows <= most) return;
@@ -148,6 +149,8 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
 // What comes before the matrix: the loads checked against the supports, the unknowns numbered.
 struct Prepared {
   /// `like`: of the same body under other loads, or null.
+  /// Under other loads the pins must be those of `like`: its factor has no rows for them. Standing pieces come last,
+  /// because they may add rows in contact to the numbering.
   Prepared(Mesh of, Kernel by, Scene under, int on, const Skeleton* like = nullptr)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
     const Bows bows = bows_of(mesh, kernel.element);
@@ -183,6 +186,7 @@ struct Prepared {
   }
 
   /// Whether contact goes without its dense matrix.
+  /// Interfaces are read off the last block of a factor and springs act on it, which a factor per set does not have.
   bool is_large(Index contact_rows, const Preparation& how) const {
     return how.factorize && contact_rows > how.most_dense && how.interface_edges.empty() && standing.empty() &&
            skeleton.unseen.empty() && is_definite(kernel.element);
@@ -235,6 +239,7 @@ void check_parted(const Element& e, const Preparation& how) {
 }
 
 /// Whether there are enough triangles; else a note.
+/// A part of a few triangles would share most of its unknowns.
 bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::string>& notes) {
   if (ranks.count() == 1) {
     notes.emplace_back("backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
@@ -259,6 +264,7 @@ bool can_be_rounded(const Prepared& made, const Element& e, const Preparation& h
 }
 
 /// With the springs that hold what contact alone holds.
+/// The first entry of a column is its diagonal.
 LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
   LowerTriangle held = k;
   for (Index i = 0; i < o.contact_rows; ++i)
@@ -271,6 +277,7 @@ LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& 
 namespace {
 
 /// All that `order` looks at.
+/// Compared in full, which costs little beside an order.
 bool same_topology(const Mesh& m, const Skeleton& s, const Mesh& n, const Skeleton& o) {
   const auto same_cracks = [&] {
     return std::ranges::equal(m.cracks, n.cracks, [](const auto& a, const auto& b) {
@@ -293,6 +300,7 @@ std::shared_ptr<Factor> taken_from(Model model) {
 }
 
 /// The factor of K in the memory of one with its pattern; anew where that is lost.
+/// A refactorization that fails leaves no values: the factor is made anew, with the shift that this may need.
 std::shared_ptr<Factor> factor_in(std::shared_ptr<Factor> there, const LowerTriangle& K, const Element& e,
                                   const Ordering& ordering, int threads) {
   if (there) try {
@@ -394,6 +402,9 @@ Model prepare_moved(Mesh mesh, const Element& e, Scene scene, int threads, Model
 
 namespace {
 
+/// Where the triangles at the feet of pieces are too large the mesh is bisected there and all begins anew; not where a
+/// mesh must stay (moved or ordered before), nor below 1e-4 of the largest edge. Of the model before its factor is
+/// taken last, when nothing can be refused any more.
 Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
                    std::shared_ptr<Ranks> ranks, Model* before, std::span<const Index> sequence) {
   if (ranks) check_parted(e, how);
@@ -513,6 +524,7 @@ bool certified(const State& state) {
   return state.converged && state.certificate.kkt <= no_digits && state.certificate.work <= no_digits;
 }
 
+/// Defects are relative: 1e-n leaves n digits.
 std::string lost_digits(const State& state) {
   const Certificate& c = state.certificate;
   const double worst = std::max(c.kkt, c.work);
@@ -531,6 +543,7 @@ Triangle triangle(const Model& model, Index t) {
   return triangle(model.mesh, model.inner->skeleton, t);
 }
 
+/// A mesh without arcs has no curved triangle: its areas need no map.
 double cell_area(const Model& m, Index t) {
   return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(cell_of(m.mesh, m.inner->skeleton.bows, t));
 }
@@ -591,6 +604,7 @@ Mat2 barycentric_slopes(const Mesh& mesh, Index t) {
 }
 
 // (l1, l2) of points; of a curved triangle those that its map takes there.
+// Straight: an affine map; curved: by Newton's method (cell_coordinates).
 Points barycentric(const Model& m, Index t, const Points& x) {
   const Triangle shape = triangle(m, t);
   if (!is_curved(shape)) return barycentric_slopes(m.mesh, t) * (x.colwise() - m.mesh.points[m.mesh.triangles[t][0]]);

@@ -132,6 +132,7 @@ Layout lay_out(const Model& m) {
 }
 
 // The system over all unknowns, as if no traction were given.
+// The lower triangle alone: LU makes both halves of it.
 struct Saddle {
   LowerTriangle matrix;
   Eigen::VectorXd load;
@@ -142,6 +143,7 @@ struct Entry {
   double value;
 };
 
+// Entries are filed by columns, then sorted by rows; equal ones are added in the order of the triangles.
 LowerTriangle sum_up(Index size, const std::vector<Entry>& entries) {
   std::vector<Index> start(size + 1, 0);
   for (const Entry& e : entries) ++start[e.column + 1];
@@ -248,6 +250,8 @@ struct Solver {
     for (std::size_t i = 0; i < moving.size(); ++i) k[given.contact[i]] = moving[i] != Motion::Held;
     return k;
   }
+  // Known unknowns have no row: their columns go to the right-hand side. Friction that slides forward or backward is
+  // one set for the factor.
   void factorize(const std::vector<Motion>& moving) {
     const std::vector<bool> k = known(moving);
     if (lu && k == known(motion)) return;
@@ -408,6 +412,8 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
 
 // The strain of a stiff region is the difference of displacements that the rest of the body makes as large as it
 // likes, so that their rounding is a stress there: how large, relative to the mean one. The equations do not tell.
+// Rounding of u over the size of a triangle is a strain, times mu a stress: added to the certificate, since equations
+// in stresses do not show it.
 double rounding_in_stiff_regions(const Model& m, const State& state) {
   constexpr double rounding = 20 * std::numeric_limits<double>::epsilon();  // as measured against closed forms
   double largest = 0;

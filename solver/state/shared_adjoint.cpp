@@ -97,6 +97,7 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
   return best;
 }
 
+// Own rows of all processes, one process after the other: the numbers of find_contact.
 std::vector<ContactStatus> SharedBody::Impl::status(const Field& state) {
   const std::vector<ContactStatus> here = contact_status(model, state);
   std::vector<ContactStatus> own;
@@ -187,6 +188,7 @@ TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ)
   return field;
 }
 
+// One sweep of the penalty: theta stays 0, as OpenSolve has it.
 Eigen::VectorXd SharedBody::Impl::solve_open(const Eigen::VectorXd& forces) {
   TangentField field;
   solve_linear({.held = std::vector<bool>(static_cast<std::size_t>(contact_rows), false),

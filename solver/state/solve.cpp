@@ -26,6 +26,7 @@ namespace kerf {
 
 namespace {
 
+// Never 0: an unloaded body divides by it.
 double size_of_loads(const Model& m) {
   return std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
 }
@@ -383,6 +384,7 @@ void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform
 
 }  // namespace
 
+// Stresses stay as they are; displacement and rotation lose the mean motion.
 void remove_motions(const Model& m, Field& s) {
   remove_motions(m, floating_shares(m, s), s);
 }

@@ -28,6 +28,7 @@
 
 namespace kerf {
 
+// The bytes go before the factor comes: a part has a place once.
 std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads, Precision precision) {
   RankPart part = condensed_part(packed);
   std::string().swap(packed);
@@ -101,6 +102,7 @@ SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int thread
   unknowns = static_cast<Index>(sum(peers, unknowns));
 }
 
+// G_ij = int r_i . r_j of (A.7).
 Eigen::MatrixXd SharedBody::Impl::gram() {
   const Inner& inner = *model.inner;
   Eigen::MatrixXd g = gram_of(model.mesh, inner.kernel, inner.skeleton, inner.floating, own_triangles(model));
@@ -108,6 +110,8 @@ Eigen::MatrixXd SharedBody::Impl::gram() {
   return g;
 }
 
+// Works are summed before they are compared: the loads of the body balance, not those of a part. Whether they do at all
+// was asked of the mesh before it was divided (prepare).
 void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
   const Inner& inner = *model.inner;
   const auto n = static_cast<Eigen::Index>(floating.motions.size());
@@ -164,6 +168,7 @@ void SharedBody::Impl::hold(const std::vector<bool>& held) {
       model.threads, precision);
 }
 
+// Each set of held rows has a solver of its own; their counts add up, the largest values stand.
 PartedEffort SharedBody::Impl::effort() const {
   if (!now.solver) return effort_before;
   PartedEffort e = now.solver->effort();
@@ -259,6 +264,8 @@ void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
   gaps = on_contact(on_skeleton(model, Eigen::VectorXd::Zero(o.size), &s.prescribed));
 }
 
+// A guess goes by shares of the whole length of a crack, of which a part has pieces (PartOfPaths). Each process says
+// what its own rows do.
 std::vector<Motion> SharedBody::Impl::first_motions(const ContactGuess& guess) {
   const Inner& inner = *model.inner;
   if (contact_rows == 0 || guess.empty()) return {};
@@ -289,6 +296,7 @@ Eigen::VectorXd SharedBody::Impl::on_own_rows(const Eigen::VectorXd& forces) con
   return right;
 }
 
+// Trace and jump have their components in the same order.
 Index SharedBody::Impl::jump_at(Index base) const {
   const Skeleton& s = model.inner->skeleton;
   const Index first = s.jump[base / s.per_edge];
@@ -308,12 +316,14 @@ void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
   add(x, 1, moved);
 }
 
+// K x - F from the stresses, triangle by triangle. On unknowns of others it lacks the triangles that are not here.
 Eigen::VectorXd SharedBody::Impl::unmet(const Twofold& x, const Eigen::VectorXd& theta) const {
   Field field;
   const Balance balance = recover_interior(model, x, theta, field);
   return balance.forces - balance.loads;
 }
 
+// No process has the diagonal of K, which one process takes (solve.cpp): 50 mu stands in.
 double SharedBody::Impl::force_of_rounding(double largest) const {
   constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
   double mu = 0;
@@ -451,6 +461,7 @@ void SharedBody::Impl::find_responses(int& solves) {
   uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
 }
 
+// The change and the size are the largest of all processes, so that all see the same error and end in the same round.
 void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, bool must_fit) {
   take_out_uniform(loads, r, solves, must_fit);
   const ThetaChange moved = move_theta(model, loads, r.x, r.theta);
@@ -547,6 +558,7 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   return state;
 }
 
+// The factors of the insides are most of the memory. What has been counted stays.
 void SharedBody::Impl::drop_factor() {
   effort_before = effort();
   now.solver.reset();  // the most memory of all
