@@ -132,6 +132,7 @@ Roots roots(const Material& m) {
   return p;
 }
 
+// x + p y as a real map: (x + Re(p) y, Im(p) y).
 std::vector<Mat2> smooth_images(const std::vector<Material>& materials) {
   std::vector<Mat2> images;
   for (const Material& m : materials) {

@@ -212,6 +212,8 @@ struct Reduction : Space<E> {
     Grid<Number, S, 1> stress;
     Grid<Number, B, 1> inner;
   };
+  // s = L^-T (L^-1 C'm + YB q), q = LB^-T (low - LB^-1 YB'L^-1 C'm), and p = gamma right - q: the proof stands at
+  // (E.7).
   Solution back(const Arrays& a, const Grid<Number, X, 1>& m, const Grid<Number, B, 1>& low,
                 const Grid<Number, B, 1>& right, const Grid<Number, S, 1>* load, const Compliant<Number>& is) const {
     // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))

@@ -133,6 +133,7 @@ Triangle cell_of(const Mesh& mesh, const Bows& bows, Index t) {
 
 namespace {
 
+// grad l_i: inward normal of edge i over twice the area.
 std::array<Vec2, 3> barycentric_slopes(const Triangle& t) {
   const double twice = 2 * area(t);
   std::array<Vec2, 3> slope;
@@ -218,6 +219,7 @@ const TriangleRule& stress_rule(const Kernel& k, const Triangle& t) {
   return is_curved(t) ? k.curved : k.rule;
 }
 
+// int f over the curved triangle is area(chords) sum_q w_q J(x_q) f(Phi(x_q)).
 Eigen::VectorXd rule_weights(const TriangleRule& rule, const Triangle& t) {
   Eigen::VectorXd w = rule.w;
   if (is_curved(t))
@@ -256,6 +258,7 @@ Points seen_places(const Kernel& k, const Triangle& t) {
   return solve_spd(multiply_transposed(weighted, v), multiply(weighted, Eigen::MatrixXd(x.transpose()))).transpose();
 }
 
+// Means over the triangle of the chords, with J: (f, v)/area.
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force) {
   const Points x = rule_points(k.load, t);
   const Eigen::VectorXd w = rule_weights(k.load, t);

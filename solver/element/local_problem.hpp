@@ -253,6 +253,7 @@ struct LocalProblem : Space<E> {
   }
 
   // Of the means of the force, on the right-hand side of the constraints: the triangle's area in xi is 1/2.
+  // B s = -h (f, v) (E.6).
   template <class Number>
   static Number share_of_force(const ScaledOf<Number>& s) {
     return -0.5 * s.h;

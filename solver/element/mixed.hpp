@@ -171,6 +171,8 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return all;
   }
 
+  // Eight fields side by side, one value after the other: the inner loops run over fields. Elements that are cut,
+  // symmetric or have rotations at vertices take the way of columns.
   static void interiors_lanes(const Kernel& k, const Triangle& t, const Material& material, const double* m,
                               double* all) {
     const Scaled s = scale(t);
@@ -244,6 +246,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return unpack(k, s, material, found.stress.data(), found.inner.data(), m);
   }
 
+  // In xi, nothing eliminated: the saddle point without elimination takes it (C.13).
   static LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material,
                                   const ForceMoments& force) {
     const Scaled s = scale(t);
