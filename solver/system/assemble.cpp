@@ -133,6 +133,8 @@ struct MatrixEntries {
 };
 
 // Adds a triangle's share to F, less what the prescribed values do.
+// A value of what T sees counts twice where base and jump are both unknowns: entry (i, row of base) and (i, row of
+// jump).
 MatrixEntries scatter_loads(const Assembly& from, Index t, Condensed& c, System& a) {
   const Skeleton& s = from.skeleton;
   const Ordering& o = from.ordering;
@@ -287,6 +289,7 @@ System begun(const Assembly& from) {
 
 }  // namespace
 
+// For solves in parts: each part condenses for itself, on the process that has it.
 System assemble_without_matrix(const Assembly& from) {
   System a = begun(from);
   a.F = Eigen::VectorXd::Zero(from.ordering.size);

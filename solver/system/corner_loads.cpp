@@ -54,6 +54,7 @@ class Fans {
 };
 
 // +1 where the normal of the edge points out of the triangle.
+// sides[0] is the left triangle, which sees the edge run counter-clockwise and its normal point out.
 double outward(const Mesh& mesh, Index edge, Index t) {
   return mesh.sides[edge][0] == t ? 1 : -1;
 }

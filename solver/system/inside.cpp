@@ -84,6 +84,8 @@ bool Inside::factorize(const LowerTriangle& lower, Eigen::MatrixXd& S) {
                  : numeric_->factorize(lower, rounded_.get(), S, threads_);
 }
 
+// A shift of 1e-13 stands above the rounding of K_II; conjugate gradients on the interface, and the rounds around them,
+// undo it. If that is not enough, nothing else is tried.
 Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S)
     : order_(sequence(part, shared, threads)), threads_(threads) {
   const auto kept = static_cast<Index>(shared.size());

@@ -105,6 +105,7 @@ class Numbering {
     of_edge_[e] = finish({.edge = e});
   }
 
+  // Contact rows follow the path of their crack, so that neighbors in S are neighbors on the crack.
   void add_contact(const CrackEdge& c) {
     if (s_.jump[c.edge] == none) return;
     const Index before = ordering_.size;

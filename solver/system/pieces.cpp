@@ -27,6 +27,7 @@ std::vector<T> values_of(const std::string& bytes) {
 }
 
 /// Per row the process that has it, too, or none. Who does not own a row tells its owner.
+/// A row of three parts would be an unknown at a vertex, which solving in parts does not take.
 std::vector<Index> other_side(const RankPart& part, Peers& peers) {
   const std::vector<Index> counts = gathered(peers, std::vector<Index>{part.owned});
   std::vector<Index> end(counts.size());  // of the numbers of each process

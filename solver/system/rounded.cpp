@@ -36,6 +36,7 @@ class Rounded : public LeadingSolver {
     return numeric_.factorize(*K_, values_.get(), contact_factor_, threads_);
   }
 
+  // Counts are guarded: many solves run at once.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const override {
     const Solved found = iterate(b, most_);
     const std::scoped_lock lock(counting_);
@@ -117,6 +118,7 @@ class Rounded : public LeadingSolver {
 
 }  // namespace
 
+// Without loads on the leading rows 1 on each of them stands in for the trial.
 std::unique_ptr<LeadingSolver> rounded(std::shared_ptr<const LowerTriangle> K, Index contact_rows,
                                        const Eigen::VectorXd& b, int threads) {
   use_one_thread();
