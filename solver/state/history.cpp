@@ -122,6 +122,7 @@ std::vector<double> slip_profile(const Model& m, const Field& s, Index crack) {
   return slip;
 }
 
+// A held row is exactly where the step before left it, so that 0 tells sticking.
 SlipLengths slip_lengths(const Model& m, const Field& s) {
   SlipLengths lengths;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {

@@ -114,6 +114,7 @@ Local local(const Model& m, const Layout& layout, Index t) {
   return l;
 }
 
+// The unknowns that the skeleton has for traces stand for tractions here: one number per Gauss point and component.
 Layout lay_out(const Model& m) {
   Layout layout;
   const Element& e = m.element;
@@ -429,6 +430,7 @@ double rounding_in_stiff_regions(const Model& m, const State& state) {
 
 }  // namespace
 
+// It has no gap, no pieces that contact alone holds and no curved triangles: these are refused.
 State solve_saddle_point(const Model& m) {
   require_straight(m, "the saddle-point system (backend \"umfpack\")");
   if (std::ranges::any_of(m.scene.laws, has_gap))

@@ -53,6 +53,8 @@ std::vector<Index> pieces_for_pressure(const Mesh& mesh, const Scene& scene) {
 namespace {
 
 /// What the first process has, on all: whatever their processors make of the same numbers.
+/// Processors may differ in the last bit of a decision; a set that differs between processes would make each wait for
+/// another solve.
 void agree(Peers& peers, std::vector<Motion>& motion, Eigen::VectorXd& force) {
   std::string bytes;
   if (peers.here() == 0) {
@@ -418,6 +420,7 @@ void SharedBody::Impl::correct(Round& r, State& state) {
   state.converged = found.converged;
 }
 
+// Curved triangles count with their own area, own triangles alone.
 Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(uniform.size.size());
   for (Index t = 0; t < own_triangles(model); ++t) sum[piece[t]] += cell_area(model, t) * values[t];
