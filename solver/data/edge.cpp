@@ -97,6 +97,8 @@ class Collected {
   Collected(const std::vector<Part>& parts, double size) : parts_(parts), size_(size) {
     for (const Part& p : parts) add(p);
   }
+  // `worst` for messages: the piece with the largest error; where a square is not integrable, the end at which the
+  // power begins.
   EdgeValues result() {
     EdgeValues v;
     for (int q = 0; q < data_points; ++q) v.at.col(q) = moment_ * legendres(rule().s[q]);
@@ -167,6 +169,7 @@ class Collected {
     }
   }
 
+  // Twice the largest values at the points, times int d^e = h^(1 + e)/(1 + e).
   double integral_at_power(const Part& p, int d) const {
     const Power& power = *p.known.power;
     const double h = p.length();
@@ -220,6 +223,8 @@ class Collected {
     return change;
   }
   // (A - P + C d^p)^2.
+  // d^(2 e) is integrable for 2 e > -1 alone. The square is (A - P)^2 + 2 (A - P) C d^e + C^2 d^(2 e), each term with
+  // the rule of its own weight.
   void leave_out_power(const Part& p, const Power& power, EdgeValues& v) const {
     const double h = p.length(), e = power.exponent;
     v.rough.setConstant(infinity);
@@ -284,6 +289,7 @@ class EdgeIntegration {
     for (int q = 0; q < data_points; ++q) v.col(q) = value(from + (to - from) * rule().s[q]);
     return v;
   }
+  // One smooth piece: P takes the values of f at the points, and leaves out 2 delta at most (D.3).
   EdgeValues collect() {
     EdgeValues v;
     if (parts_.size() == 1 && parts_[0].smooth) {
@@ -333,9 +339,11 @@ class EdgeIntegration {
     if (h <= finest || p.total() == 0) p.last = true;
     parts_.push_back(std::move(p));
   }
+  // int |f| over a smooth piece. The others count as nothing: the tolerance is of what is known.
   double size(const Part& p) const {
     return p.smooth ? p.length() * (p.at.cwiseAbs() * rule().w).sum() : 0;
   }
+  // At a break three pieces: before, after, and the break itself, as narrow as the numbers of places allow.
   void split(std::size_t worst) {
     const Part p = parts_[worst];
     parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(worst));
@@ -379,6 +387,8 @@ class EdgeIntegration {
 
   // ---- without
   // The largest difference from the polynomial through the values, at one point in each of `strata`.
+  // Shifts within the strata follow multiples of the golden ratio: a feature that repeats with the strata does not stay
+  // between the points.
   Vec2 deviation(const Part& p, int strata) const {
     Vec2 largest = Vec2::Zero();
     constexpr double golden = 0.6180339887498949;

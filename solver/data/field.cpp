@@ -15,6 +15,7 @@ namespace kerf {
 
 namespace {
 
+// One step of nextafter covers the half unit that the sum rounds by. inf - inf is the whole line.
 Interval plus(const Interval& a, const Interval& b) {
   const auto outwards = [](double v, double towards) { return std::nextafter(v, towards); };
   const double low = a.low + b.low, high = a.high + b.high;
@@ -53,6 +54,7 @@ class Sum final : public Enclosure {
   std::shared_ptr<const Enclosure> a_, b_;
 };
 
+// The power at an end would need its parts scaled, too: it is given up, and the range stands.
 class Scaled final : public Enclosure {
  public:
   Scaled(double factor, std::shared_ptr<const Enclosure> a) : factor_(factor), a_(std::move(a)) {}

@@ -141,6 +141,7 @@ const LoadedCrack* pressure_in(const SceneData& data, Index crack) {
   return found == data.pressures.end() ? nullptr : &*found;
 }
 
+// P through its values at the eight points.
 double pressure_at(const EdgeValues& on_edge, double s) {
   static const EdgeRule rule = gauss(data_points);
   return on_edge.at.row(0) * trace_basis(rule, s);
@@ -185,6 +186,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
   return data;
 }
 
+// The body force is looked at on all triangles together: looks are shared out among them.
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
   SceneData data = boundary_data(mesh, scene, bows);
   data.strain = strain_data(mesh, scene, rule, threads, bows);
@@ -196,6 +198,8 @@ SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& r
   return data;
 }
 
+// Polynomials of low degree are evaluated where they are wanted; of other fields the values at the points of the rule
+// are stored, or those of their projection.
 Points body_force(const SceneData& data, const Scene& scene, Index t, const Points& x) {
   if (!data.body.empty()) return data.body[t].at;
   Points value(2, x.cols());

@@ -107,6 +107,7 @@ Eigen::Map<const Eigen::Matrix4Xd> coefficients(const StrainData& data, Index t)
 
 }  // namespace
 
+// Entry 0 is what is outside all regions.
 const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t) {
   const std::size_t place = static_cast<std::size_t>(region_of(mesh, t) + 1);  // none is -1
   return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
@@ -147,6 +148,7 @@ Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l) {
   return tensors(coefficients(data, t) * monomials(data.degree, l));
 }
 
+// By l1 or l2; slopes by the place follow from the map (eigenstrain_slope_at).
 Eigen::Matrix4Xd strain_slope_at(const StrainData& data, Index t, const Points& l, int axis) {
   return tensors(coefficients(data, t) * (derivative(data.degree, axis).transpose() * monomials(data.degree, l)));
 }

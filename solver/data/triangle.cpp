@@ -68,6 +68,7 @@ Look compared(const Eigen::Ref<const Points>& at, const TriangleRule& rule, cons
 }
 
 // The better of two rules that agree: of twice the order or nearly.
+// The error of the finer rule, relative to the size, is about the square of the relative difference.
 double better(double difference, double size) {
   return size > 0 ? difference * difference / size : 0;
 }
@@ -179,6 +180,7 @@ class TriangleIntegration {
   }
 
   /// The box of a cell.
+  /// Along x and y, in the coordinates of the body: enclosures know boxes alone.
   std::array<Interval, 2> box_of(const Cell& c) const {
     Interval x{infinity, -infinity}, y = x;
     for (const Vec2& l : c.corners) {
@@ -295,6 +297,7 @@ class TriangleIntegration {
     double error = 0;
     std::optional<std::size_t> worst = {};
   };
+  // Cells of 1e-12 of the area are not cut any more.
   Open open_cells() const {
     constexpr double finest = 1e-12;  // share of the area
     Open open;
@@ -494,6 +497,7 @@ class SharedLooks {
     return {f_, t.x, rule_, what_, mean * times, looks, std::max(1.0, share / times), may_sample};
   }
   /// Where proofs leave more than they are worth, what rules agree on is taken.
+  /// Less than 1e-3 of the integral stays open, as it is.
   void sample_rest() {
     const double mean = this->mean();
     double open = 0;
@@ -506,6 +510,7 @@ class SharedLooks {
     });
   }
   /// At those `count` with most of what is open.
+  /// From 120 looks on samples may settle what proofs do not: before, more looks may still prove it.
   void look(int looks, std::size_t count) {
     const double mean = this->mean(), all = static_cast<double>(open_.size());
     std::ranges::stable_sort(open_, std::greater(), [&](std::size_t k) { return left(k); });
