@@ -4,8 +4,8 @@
 // triangle from the triangle of its chords, with l the barycentric coordinates,
 //   Phi(X) = X + sum over curved edges of l_a l_b q(1/2 (1 + l_b - l_a)),   D = D Phi,   J = det D   [theory: E.25].
 // `condense` and `interiors` of many triangles sort them: those with a shared elimination take it, straight ones go by
-// fours through the packed kernels, the others one by one; no triangle's bits depend on its company. Hybridization,
-// spaces and curved triangles: docs/theory/elements.md.
+// fours through the packed kernels, the others one by one: what is done with a triangle depends on itself.
+// Hybridization, spaces and curved triangles: docs/theory/elements.md.
 
 #include "solver/element/local.hpp"
 #include "solver/element/shared_shape.hpp"

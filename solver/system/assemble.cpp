@@ -249,7 +249,7 @@ bool is_loaded(const Assembly& from, Index t, System& a) {
 
 }  // namespace
 
-// K and the traces of the penalty do not depend on loads. Of triangles that no load acts on nothing is left to do.
+// K does not depend on loads, nor do trace and by_theta of the penalty: triangles that no load acts on are left out.
 System assemble_loads(const Assembly& from, const System& like, bool with_matrix) {
   System a{.penalty = like.penalty, .force = empty_force(from), .traces = like.traces, .alike = like.alike};
   if (with_matrix) a.K = like.K;

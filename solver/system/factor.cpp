@@ -69,7 +69,7 @@ struct Factor::Impl {
     numeric.emplace(std::move(found.supernodes));
   }
 
-  // `values` is kept between factorizations of one pattern: its memory is most of all there is.
+  // `values` is kept between factorizations of one pattern: no other block of memory is as large.
   void factorize(const LowerTriangle& lower, Index last) {
     check_stop();
     if (!values) values = KeptBlock(static_cast<std::size_t>(numeric->entries()));

@@ -105,7 +105,6 @@ Eigen::MatrixXd HalfSolved::add(const std::vector<Column>& columns) {
   return products;
 }
 
-// Y'y.
 Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(count_);
   for (const auto& [n, block] : blocks_) {
@@ -116,7 +115,6 @@ Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
   return sum;
 }
 
-// y - Y share.
 void HalfSolved::subtract(const Eigen::VectorXd& share, Eigen::VectorXd& y) const {
   for (const auto& [n, block] : blocks_) {
     const Eigen::VectorXd here = share(block.which);
