@@ -123,6 +123,7 @@ inline __attribute__((always_inline)) void backward_rows(const Rowwise<N, N>& u,
 }
 
 // Of each triangle: gamma = 1/(2 mu), the penalty.
+// gamma B'B has the size of the deviatoric compliance: M + gamma B'B is balanced whatever mu is.
 template <class Number>
 struct Compliant {
   Number gamma;

@@ -74,6 +74,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   }
 
   // Four straight triangles side by side; `count` of them are wanted.
+  // Cut spaces go through matrices of run-time size, which are not packed.
   static constexpr bool CanBePacked = !Space<E>::IsCut && V == 0 && !is_symmetric(E);
   struct Packed {
     ScaledOf<Pack> s;
