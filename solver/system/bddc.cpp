@@ -114,6 +114,8 @@ class Bddc : public SharedSolver {
     effort_.primal = static_cast<int>(coarse_.size());
   }
 
+  /// b on own rows alone: each row counts once in the sum over the processes. Inside rows are eliminated before and
+  /// found after the gradients.
   VectorXd solve(const VectorXd& own) override {
     Stopwatch watch;
     VectorXd b = VectorXd::Zero(rows_);
@@ -225,6 +227,7 @@ class Bddc : public SharedSolver {
     }
   }
 
+  /// Z of the free parts comes from both sides; X is made here from both blocks of S.
   static MatrixXd primal_of(const MatrixXd& free, const MatrixXd& here, const MatrixXd& there, const VectorXd& d,
                             const VectorXd& beyond, double shift) {
     const auto held = [shift](MatrixXd s, const VectorXd& diagonal) -> MatrixXd {
