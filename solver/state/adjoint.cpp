@@ -110,6 +110,8 @@ std::vector<Index> beside_prescribed(const Model& m, const Eigen::VectorXd& pres
 }
 
 // A linear problem on the tangent cone: K x = F on the rows that move, x = jump on those that are held.
+// `loads.F` is less what prescribed values do, because the assembled K has no rows for them; `alone` is for products
+// that see all unknowns.
 struct Tangent {
   const Condensation& condensed;
   const TangentCone& cone;
@@ -496,6 +498,8 @@ Field without_motions(const Model& m, Field dual) {
   return dual;
 }
 
+/// The small block of the cone, uniform pressures and exact products are made at the first solve that needs them, and
+/// kept.
 struct ConeSolver::Impl {
   Condensation condensed;
   TangentCone cone;
@@ -691,6 +695,7 @@ std::vector<TangentField> ConeSolver::solve_all(std::size_t count,
   return fields;
 }
 
+/// The public solver: a cone without sliding points.
 struct TangentSolver::Impl {
   Impl(const Model& m, std::vector<bool> held) : solver(m, TangentCone(std::move(held))) {}
   ConeSolver solver;

@@ -102,6 +102,8 @@ double work_from_rest(const InHistory& to) {
          (work_of_loads(to.model, to.state) + on_supports(to.model, support_forces(to.model, to.state), to.state));
 }
 
+// Reactions of both states act on the motion of the supports between them: the trapezoidal rule, exact on a straight
+// line.
 double work_between(const InHistory& from, const InHistory& to) {
   Field moved = to.state;
   moved.skeleton -= from.state.skeleton;

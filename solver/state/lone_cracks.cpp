@@ -58,6 +58,7 @@ std::vector<bool> opened(const Eigen::MatrixXd& A, const Eigen::VectorXd& tensio
 struct Station {
   Vec2 at, along;
 };
+/// By the share of the length of the path; a path with kinks is taken as if it were straight.
 Station station(const std::vector<Vec2>& path, double share) {
   double whole = 0;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) whole += (path[i + 1] - path[i]).norm();

@@ -147,6 +147,7 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
 }
 
 // What comes before the matrix: the loads checked against the supports, the unknowns numbered.
+// Moved into a Model in the end. `held`, `start` and `own` are filled by those who need them.
 struct Prepared {
   /// `like`: of the same body under other loads, or null.
   /// Under other loads the pins must be those of `like`: its factor has no rows for them. Standing pieces come last,

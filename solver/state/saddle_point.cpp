@@ -277,6 +277,8 @@ struct Solver {
     lu.emplace(a);
   }
   /// All unknowns when the moving rows carry `force`.
+  /// T = -(p + fluid)/share: what a moving row bears is its force and what the fluid presses, over the length of its
+  /// point.
   Eigen::VectorXd solve(const std::vector<Motion>& moving, const Eigen::VectorXd& force) {
     factorize(moving);
     Eigen::VectorXd x = given.value;

@@ -79,6 +79,7 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
 }
 
 // K x on the rows in contact.
+// Only entries in the last rows are gone through: a small share of K.
 class ForcesInContact {
  public:
   ForcesInContact(const LowerTriangle& K, Index rows)
@@ -286,6 +287,8 @@ double defect(const Certificate& c) {
 
 // Contact by the exact forces and the S of the factor, which is as far off as its matrix; then conjugate gradients with
 // the rows held that it holds; until the set stays. `largest`: Drive::largest.
+// The set of the small problem is that of the factor's S; its forces are not: with exact residuals its fixed points are
+// exact. It ends when the law holds to 1e-12, or when a sweep does not halve what it lacks.
 struct Settling {
   const Condensation& condensed;
   const Refinement& refinement;

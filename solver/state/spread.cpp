@@ -242,6 +242,7 @@ void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
     q.tangential = number(p.tangential);
     own.push_back(q);
   }
+  // Points of process p come behind those of lower ones, and so do their rows.
   const std::vector<Index> counts = gathered(peers, std::vector<Index>{rows}),
                            sizes = gathered(peers, std::vector<Index>{static_cast<Index>(own.size())});
   points = gathered(peers, own);
@@ -352,12 +353,14 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
     }
     if (o.row[u] != none && o.row[u] < leading_rows()) residual = std::max(residual, std::abs(r.unmet[u]));
   }
+  // Largest values first: the sizes that later comparisons are relative to must be the same on all processes.
   std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
   peers.largest(most);
   const double rounding = force_of_rounding(most[3]);
   load = std::max(most[0], rounding);
   r.certificate.residual = most[1] / load;
   double law = 0;
+  // Forces of contact are known on all rows that are seen here, own or not; their work is that of own rows.
   field.force = Eigen::VectorXd::Zero(s.total);
   if (contact_rows > 0) {
     const Eigen::VectorXd force = on_contact(r.unmet);
@@ -393,6 +396,7 @@ void SharedBody::Impl::correct(Round& r, State& state) {
   const Skeleton& s = model.inner->skeleton;
   bool changed = false;  // x, since unmet
   const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
+    // All take the decisions of the first process.
     std::vector<Motion> motion = wanted;
     Eigen::VectorXd force = given.size() == contact_rows ? given : Eigen::VectorXd::Zero(contact_rows);
     agree(peers, motion, force);
