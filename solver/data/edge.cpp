@@ -278,6 +278,7 @@ class EdgeIntegration {
   }
 
  private:
+  // By `at_` on curved edges, along the chord on straight ones.
   Vec2 value(double s) const {
     const Vec2 x = edge_.a + s * (edge_.b - edge_.a), v = at_ ? at_(s) : f_(x, edge_.n);
     if (!v.allFinite())
@@ -458,6 +459,7 @@ EdgeLine edge_line(const EdgeOf& of) {
   return line;
 }
 
+// On a curved edge the data are functions of s along its polynomial, with its normal; enclosures take the same line.
 EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* what, bool density, double size) {
   EdgeLine line = edge_line(of);
   if (line.is_straight()) return edge_values(f, line, what, size);

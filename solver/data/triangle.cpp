@@ -95,6 +95,8 @@ struct Cell {
   double rim_error = 0;
 };
 
+// `looks`: cells that may be looked at; `share`: by how much more than beside its own size may be left, where proofs
+// fail.
 class TriangleIntegration {
  public:
   TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, const char* what,
@@ -280,6 +282,7 @@ class TriangleIntegration {
   }
 
   // A black box: settled where a finer look gives the same mean.
+  // Two rules of different points that agree to 1e-5: more is not known of a function.
   void sample(Cell& c) const {
     take_values(c, rule_);
     const Look look = compared(c.value, rule_, values(finer_rule(), c.corners));
