@@ -1,8 +1,8 @@
 #pragma once
 // Case -> files. The whole toolkit in one page of calls.
 
-#include "app/collect.hpp"
-#include "app/journal.hpp"
+#include "app/run/collect.hpp"
+#include "app/run/journal.hpp"
 #include "kerf/case_file.hpp"
 
 namespace kerf {

@@ -1,7 +1,7 @@
 #pragma once
 // `kerf bench hard`: numerical stability. Families of cases with a knob, and how many digits are lost as it is turned.
 
-#include "bench/bench.hpp"
+#include "bench/command/bench.hpp"
 #include "kerf/types.hpp"
 
 namespace kerf {

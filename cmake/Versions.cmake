@@ -32,7 +32,7 @@ list(JOIN libraries ", " libraries)
 
 header_version(VTK_VERSION "${VTKIO_INCLUDE_DIR}/vtkVersionMacros.h" VTK_MAJOR_VERSION VTK_MINOR_VERSION VTK_BUILD_VERSION)
 header_version(GMSH_VERSION "${GMSH_INCLUDE_DIR}/gmsh.h" GMSH_API_VERSION)
-set_source_files_properties(app/version.cpp PROPERTIES COMPILE_DEFINITIONS
+set_source_files_properties(app/command/version.cpp PROPERTIES COMPILE_DEFINITIONS
   "KERF_COMPILER=\"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}, ${CMAKE_BUILD_TYPE}, -march=${KERF_ARCH}\";\
 KERF_LIBRARIES=\"${libraries}\";KERF_VTK_VERSION=\"${VTK_VERSION}\";KERF_GMSH_VERSION=\"${GMSH_VERSION}\";\
 KERF_PETSC_VERSION=\"${PETSC_VERSION}\";KERF_MODULE_FOLDER=\"${module_folder}\"")

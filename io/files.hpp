@@ -1,7 +1,7 @@
 #pragma once
 // Whole files at once. A file appears under its name complete or not at all.
 
-#include "geometry/whole_file.hpp"
+#include "base/whole_file.hpp"
 
 #include <cstdint>
 #include <filesystem>

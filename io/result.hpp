@@ -1,7 +1,7 @@
 #pragma once
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
-#include "geometry/whole_file.hpp"
+#include "base/whole_file.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"

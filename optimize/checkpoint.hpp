@@ -1,7 +1,7 @@
 #pragma once
 // Everything a loop needs to go on as if it had never stopped.
 
-#include "geometry/whole_file.hpp"
+#include "base/whole_file.hpp"
 #include "kerf/optimize.hpp"
 
 #include <Eigen/Core>

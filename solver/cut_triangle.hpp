@@ -1,7 +1,7 @@
 #pragma once
 // Triangles cut in four, again and again, in the coordinates of the first one.
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 
 #include <array>
 

@@ -2,10 +2,10 @@
 // The data of a scene as the rules of the solver see them: integrated adaptively, with what is proved of the error
 // [theory: D.1].
 
+#include "base/quadrature.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/scene.hpp"
 #include "solver/element/bow.hpp"
-#include "solver/quadrature.hpp"
 
 #include <optional>
 

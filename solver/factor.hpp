@@ -19,9 +19,6 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
 /// The BLAS and OpenMP on one thread each, from here on: processes and threads of kerf share the cores themselves.
 void use_one_thread();
 
-/// Gives what was freed back to the system: the ordering leaves holes that no later block fits into.
-void return_freed_memory();
-
 struct PartedEffort;  // solver/ranks.hpp
 
 /// Solves with the rows of a matrix that no contact law acts on, by other means than a factor.

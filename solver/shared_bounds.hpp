@@ -1,8 +1,8 @@
 #pragma once
 // Bounds of the energy of a body that several processes have in parts.
 
+#include "base/sums.hpp"
 #include "kerf/bounds.hpp"
-#include "solver/sums.hpp"
 
 namespace kerf {
 

@@ -2,9 +2,9 @@
 // K, G and T at the tips of a body that several processes have in parts: the integrals of kerf/fracture.hpp, each
 // process summing over its own triangles.
 
+#include "base/sums.hpp"
 #include "kerf/fracture.hpp"
 #include "kerf/recover.hpp"
-#include "solver/sums.hpp"
 
 #include <memory>
 #include <vector>

@@ -100,7 +100,7 @@ class SharedBody {
   TangentField solve_adjoint(const Field& state, const Sensitivity& dJ);
   /// Throws Error(Numerics) where there are too many such rows.
   OneSided one_sided(const Field& state);
-  /// OpenSolve (solver/sums.hpp).
+  /// OpenSolve (base/sums.hpp).
   Eigen::VectorXd solve_open(const Eigen::VectorXd& forces);
   void drop_factor();
   PartedEffort effort() const;

@@ -17,7 +17,7 @@ declare -A below=(
 )
 # The room that a public header belongs to.
 declare -A home=(
-  [types]=geometry [stop]=geometry [shape]=geometry [mesh]=geometry [mesher]=geometry [folded]=geometry
+  [types]=base [stop]=base [shape]=geometry [mesh]=geometry [mesher]=geometry [folded]=geometry
   [material]=solver [field]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
   [fracture]=solver [bounds]=solver [adaptive]=solver
   [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [derivative_bounds]=topo [second_order]=topo [validate]=topo [shape_gradient]=topo [units]=topo
@@ -82,29 +82,29 @@ only 'toml\+\+' io/case/reader.cpp
 only muParser io/case/expression.cpp
 only vtk io/result/vtk_module.cpp
 only gmsh io/mesh/gmsh_module.cpp
-only petsc app/petsc_module.cpp
-only mpi app/petsc_module.cpp
+only petsc app/parts/petsc_module.cpp
+only mpi app/parts/petsc_module.cpp
 only cairo plot/figure/pen.hpp
-only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/result/bounded_json.cpp io/result/bounded_json.hpp io/case/key_schema.cpp bench/records.cpp bench/verify/records.cpp
-only CLI app/command_line.cpp
-only spdlog app/progress.cpp
+only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/result/bounded_json.cpp io/result/bounded_json.hpp io/case/key_schema.cpp bench/command/records.cpp bench/verify/records.cpp
+only CLI app/command/command_line.cpp
+only spdlog app/command/progress.cpp
 only pybind11 python/module.cpp python/document.cpp python/document.hpp
-# One door for writing: files are made, renamed and removed in geometry/whole_file.cpp, temporary ones where gmsh and forecasts
+# One door for writing: files are made, renamed and removed in base/whole_file.cpp, temporary ones where gmsh and forecasts
 # need them; folders are made where --output says, and removals are those of the results of an earlier run.
 doors() {  # doors PATTERN FILE...: what it finds may stand in those files alone
   while IFS= read -r file; do
     case " ${*:2} " in
       *" $file "*) ;;
-      *) complain "$file writes past geometry/whole_file.hpp: $(grep -nE "$1" "$file" | head -n 1)" ;;
+      *) complain "$file writes past base/whole_file.hpp: $(grep -nE "$1" "$file" | head -n 1)" ;;
     esac
   done < <(grep -rlE "$1" base geometry solver topo optimize io plot app python --include=*.cpp --include=*.hpp)
 }
 doors 'std::ofstream|O_CREAT|O_TRUNC|fopen\([^)]*"[wa]|freopen|copy_file|mkdtemp|mkstemp|[^_]rename(at)?\(|\bunlink(at)?\(' \
-  geometry/whole_file.cpp io/mesh/confine.cpp io/mesh/gmsh.cpp app/forecast.cpp
+  base/whole_file.cpp io/mesh/confine.cpp io/mesh/gmsh.cpp app/run/forecast.cpp
 doors 'create_directories\(|create_directory\(|mkdir(at)?\(' \
-  geometry/whole_file.cpp app/run.cpp app/check.cpp app/sweep_run.cpp app/main.cpp
+  base/whole_file.cpp app/run/run.cpp app/command/check.cpp app/sweep/sweep_run.cpp app/command/main.cpp
 doors 'fs::remove|filesystem::remove|remove_all\(' \
-  app/folder.cpp app/recorder.cpp app/program.cpp app/sweep_run.cpp app/forecast.cpp io/mesh/gmsh.cpp
+  app/command/folder.cpp app/run/recorder.cpp app/command/program.cpp app/sweep/sweep_run.cpp app/run/forecast.cpp io/mesh/gmsh.cpp
 # Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
 # single file belong into its anonymous namespace.
 headers=$(find include base geometry solver topo optimize io plot bench app python -name '*.hpp')

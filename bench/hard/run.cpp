@@ -1,11 +1,11 @@
 #include "app/run.hpp"
+#include "base/stopwatch.hpp"
+#include "bench/command/records.hpp"
 #include "bench/hard.hpp"
 #include "bench/hard/family.hpp"
 #include "bench/hard/report.hpp"
-#include "bench/records.hpp"
 #include "io/files.hpp"
 #include "kerf/stop.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/format.h>
 

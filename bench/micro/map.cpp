@@ -3,8 +3,8 @@
 // and more from the tips), largest resident memory so far.
 
 #include "kerf/map.hpp"
+#include "base/stopwatch.hpp"
 #include "kerf/mesher.hpp"
-#include "solver/stopwatch.hpp"
 #include "tests/support/integral.hpp"
 
 #include <benchmark/benchmark.h>

@@ -1,7 +1,7 @@
 #pragma once
 // The files of bench/verify/cases.
 
-#include "bench/peer_scripts.hpp"
+#include "bench/measure/peer_scripts.hpp"
 
 namespace kerf {
 

@@ -1,7 +1,7 @@
 #include "bench/verify/verify.hpp"
 
 #include "app/run.hpp"
-#include "bench/measure.hpp"
+#include "bench/measure/measure.hpp"
 #include "bench/verify/pages.hpp"
 #include "bench/verify/records.hpp"
 #include "io/files.hpp"

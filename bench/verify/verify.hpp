@@ -1,7 +1,7 @@
 #pragma once
 // `kerf bench verify`: the validation manual, run.
 
-#include "bench/bench.hpp"
+#include "bench/command/bench.hpp"
 #include "bench/verify/manual.hpp"
 #include "kerf/types.hpp"
 

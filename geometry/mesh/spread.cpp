@@ -90,6 +90,35 @@ std::vector<std::vector<double>> starts_along(const Mesh& whole, const Part& cut
   return from;
 }
 
+/// Every triangle into four: the mesh, and all lists of its triangles and of places along cracks.
+void divide(MeshPart& part) {
+  for (std::size_t c = 0; c < part.from.size(); ++c) {
+    std::vector<double> halves;
+    for (std::size_t k = 0; k < part.from[c].size(); ++k) {
+      halves.push_back(part.from[c][k]);
+      halves.push_back(part.from[c][k] + length(part.mesh, part.mesh.cracks[c][k].edge) / 2);
+    }
+    part.from[c] = std::move(halves);
+  }
+  part.mesh = refine(part.mesh);
+  part.own *= 4;
+  const auto divided = [](const std::vector<Index>& triangles) {
+    std::vector<Index> all;
+    all.reserve(4 * triangles.size());
+    for (const Index t : triangles)
+      for (Index k = 0; k < 4; ++k) all.push_back(4 * t + k);
+    return all;
+  };
+  for (auto& list : part.shown) list = divided(list);
+  for (auto& list : part.seen) list = divided(list);
+  for (std::vector<Index>* of : {&part.process, &part.origin}) {
+    std::vector<Index> finer;
+    finer.reserve(4 * of->size());
+    for (const Index p : *of) finer.insert(finer.end(), 4, p);
+    *of = std::move(finer);
+  }
+}
+
 }  // namespace
 
 MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int count, Index here, int times) {
@@ -130,33 +159,7 @@ MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int co
       if (there[whole(i)]) out.shown[static_cast<std::size_t>(p)].push_back(i);
   }
 
-  for (int time = 0; time < times; ++time) {
-    for (std::size_t c = 0; c < out.from.size(); ++c) {
-      std::vector<double> halves;
-      for (std::size_t k = 0; k < out.from[c].size(); ++k) {
-        halves.push_back(out.from[c][k]);
-        halves.push_back(out.from[c][k] + length(out.mesh, out.mesh.cracks[c][k].edge) / 2);
-      }
-      out.from[c] = std::move(halves);
-    }
-    out.mesh = refine(out.mesh);
-    out.own *= 4;
-    const auto divided = [](const std::vector<Index>& triangles) {
-      std::vector<Index> all;
-      all.reserve(4 * triangles.size());
-      for (const Index t : triangles)
-        for (Index k = 0; k < 4; ++k) all.push_back(4 * t + k);
-      return all;
-    };
-    for (auto& list : out.shown) list = divided(list);
-    for (auto& list : out.seen) list = divided(list);
-    for (std::vector<Index>* of : {&out.process, &out.origin}) {
-      std::vector<Index> finer;
-      finer.reserve(4 * of->size());
-      for (const Index p : *of) finer.insert(finer.end(), 4, p);
-      *of = std::move(finer);
-    }
-  }
+  for (int time = 0; time < times; ++time) divide(out);
   return out;
 }
 

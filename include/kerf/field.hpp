@@ -57,8 +57,7 @@ class Enclosure {
   virtual std::array<Interval, 2> over(const Interval& x, const Interval& y) const = 0;
   /// At least the distance of each component from some polynomial of this degree, over the box x * y. `degree` up to 7;
   /// infinite where it is not known.
-  virtual std::array<double, 2> remainder(const Interval&, const Interval&, const Interval&, const Interval&,
-                                          int) const {
+  virtual std::array<double, 2> remainder(const Interval&, const Interval&, int) const {
     return {infinity, infinity};
   }
   /// Degree of the polynomial in x and y that the field is, or -1.

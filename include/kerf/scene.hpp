@@ -41,14 +41,19 @@ struct CrackLaw {
   BoundaryField gap = {};
 };
 
+/// Faces that may touch and part.
+inline bool is_unilateral(const CrackLaw& law) {
+  return law.kind == CrackLaw::Kind::Unilateral;
+}
+
 /// Faces that are apart, or overlap, before loading.
 inline bool has_gap(const CrackLaw& law) {
-  return law.kind == CrackLaw::Kind::Unilateral && static_cast<bool>(law.gap);
+  return is_unilateral(law) && static_cast<bool>(law.gap);
 }
 
 /// Faces that resist sliding.
 inline bool has_friction(const CrackLaw& law) {
-  return law.kind == CrackLaw::Kind::Unilateral && (law.friction > 0 || law.slip_bound > 0);
+  return is_unilateral(law) && (law.friction > 0 || law.slip_bound > 0);
 }
 
 /// Strain e that the material would take without stress, from heat, swelling, a misfit, or left by its making, as the
@@ -76,6 +81,13 @@ struct Scene {
   std::vector<Traction> tractions;
   std::vector<CrackLaw> laws;  // per crack
 };
+
+/// Whether faces of a crack may touch.
+inline bool has_contact(const Scene& scene) {
+  for (const CrackLaw& law : scene.laws)
+    if (is_unilateral(law)) return true;
+  return false;
+}
 
 inline bool has_eigenstrain(const Scene& scene) {
   for (const Eigenstrain& e : scene.eigenstrain)

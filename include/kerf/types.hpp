@@ -27,6 +27,10 @@ struct Error : std::runtime_error {
   Error(Fault fault, const std::string& what) : std::runtime_error(what), fault(fault) {}
   Fault fault;
 };
+/// Whether one body is at fault, which cannot be meshed or solved: a loop goes on with another one.
+inline bool of_one_body(const Error& error) {
+  return error.fault == Fault::Geometry || error.fault == Fault::Numerics;
+}
 
 inline double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();

@@ -166,7 +166,7 @@ void read_gaps(const Value& document, Definitions& definitions, Case& c) {
     const std::string name = text(need(entry, "name"));
     const auto crack = std::ranges::find(c.shape.cracks, name, &Crack::name);
     CrackLaw& law = c.scene.laws[static_cast<std::size_t>(crack - c.shape.cracks.begin())];
-    if (law.kind != CrackLaw::Kind::Unilateral)
+    if (!is_unilateral(law))
       fail(field->node->position, fmt::format("{}: the faces of crack {} never touch; give it contact = "
                                               "\"unilateral\", or leave the gap out",
                                               field->name, quote(name)));

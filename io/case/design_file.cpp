@@ -250,7 +250,7 @@ std::vector<std::string> limits(const Case& c, const DesignFile& design) {
       all.push_back(fmt::format("crack {} is a piece of another one: functionals of that one see its first piece only.",
                                 crack.name));
   for (const CrackLaw& law : design.laws)
-    if (law.kind == CrackLaw::Kind::Unilateral) {
+    if (is_unilateral(law)) {
       all.push_back("where contact ends kerf solve makes the mesh finer: J may differ in its fourth digit.");
       break;
     }

@@ -32,8 +32,7 @@ class OfFormulas final : public Enclosure {
     const Interval first = enclose(*parts_[0], x, y);
     return {first, same_ ? first : enclose(*parts_[1], x, y)};
   }
-  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval&, const Interval&,
-                                  int degree) const override {
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, int degree) const override {
     const double first = kerf::deviation(*parts_[0], x, y, degree);
     return {first, same_ ? first : kerf::deviation(*parts_[1], x, y, degree)};
   }

@@ -204,7 +204,7 @@ struct Reader {
     if (kind == "energy_release_rate") return {tip_term(table)};
     if (kind == "crack_opening") return {crack_opening(crack(table), weight(table))};
     const Index number = crack(table);
-    if (c.scene.laws[static_cast<std::size_t>(number)].kind != CrackLaw::Kind::Unilateral) {
+    if (!is_unilateral(c.scene.laws[static_cast<std::size_t>(number)])) {
       const Value field = need(table, "crack");
       fail(field.node->position, fmt::format("{}: crack {} has contact = \"open\" and no pressure; contact = "
                                              "\"unilateral\" has",

@@ -198,7 +198,7 @@ CrackLaw read_law(const Value& crack) {
     if (const auto given = find(crack, key)) {
       *value = number(*given);
       if (*value < 0) fail(given->node->position, given->name + " must not be negative");
-      if (*value > 0 && law.kind != CrackLaw::Kind::Unilateral)
+      if (*value > 0 && !is_unilateral(law))
         fail(given->node->position,
              fmt::format("{} needs contact = \"unilateral\", not \"{}\"", given->name, word(law.kind)));
     }

@@ -19,8 +19,7 @@ Element other_element(const Value& table, const Case& c, const Scene& scene) {
          fmt::format("{}: the data would be made with the element \"{}\" of degree {} that looks for the answer: an "
                      "inverse crime; choose another element or degree",
                      blamed.name, e.name, e.degree));
-  const bool contact = std::any_of(scene.laws.begin(), scene.laws.end(),
-                                   [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
+  const bool contact = has_contact(scene);
   const auto why = refusal(e, can_contact);
   if (contact && why) fail(blamed.node->position, fmt::format("{}: {}", blamed.name, *why));
   return e;

@@ -31,7 +31,7 @@ constexpr unsigned architecture = 0, other_tables = 0;
 
 constexpr unsigned refused = SECCOMP_RET_ERRNO | EPERM;
 
-/// A program for the kernel, instruction by instruction.
+/// A program for the kernel, instruction by instruction: what it does not name is refused.
 class Filter {
  public:
   Filter() {
@@ -42,25 +42,21 @@ class Filter {
     add(BPF_JMP | BPF_JGE | BPF_K, other_tables, 0, 1);
     add(BPF_RET | BPF_K, refused);
   }
-  void refuse(unsigned call) {
+  void allow(unsigned call) {
     add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1);
-    add(BPF_RET | BPF_K, refused);
+    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
   }
-  /// When an argument has one of the flags.
-  void refuse_flags(unsigned call, unsigned argument, unsigned flags) {
-    refuse_where(call, argument, BPF_JSET, flags, true);
+  /// When an argument has none of the flags.
+  void allow_without(unsigned call, unsigned argument, unsigned flags) {
+    allow_where(call, argument, BPF_JSET, flags, false);
   }
-  /// Unless an argument has one of the flags.
-  void refuse_without(unsigned call, unsigned argument, unsigned flags) {
-    refuse_where(call, argument, BPF_JSET, flags, false);
+  /// When it has one of them.
+  void allow_with(unsigned call, unsigned argument, unsigned flags) {
+    allow_where(call, argument, BPF_JSET, flags, true);
   }
-  /// When an argument is this number.
-  void refuse_value(unsigned call, unsigned argument, unsigned value) {
-    refuse_where(call, argument, BPF_JEQ, value, true);
-  }
-  /// When it is another one.
-  void refuse_but(unsigned call, unsigned argument, unsigned value) {
-    refuse_where(call, argument, BPF_JEQ, value, false);
+  /// When it is this number.
+  void allow_value(unsigned call, unsigned argument, unsigned value) {
+    allow_where(call, argument, BPF_JEQ, value, true);
   }
   /// As on systems that do not have the call: callers then take an older one.
   void hide(unsigned call) {
@@ -68,20 +64,21 @@ class Filter {
     add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS);
   }
   bool install() {
-    add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    add(BPF_RET | BPF_K, refused);
     const sock_fprog program{static_cast<unsigned short>(code_.size()), code_.data()};
     return architecture != 0 && prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
            prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
   }
 
  private:
-  /// Where a test of an argument holds, or does not. The lower half of it: little endian.
-  void refuse_where(unsigned call, unsigned argument, unsigned short test, unsigned value, bool holds) {
+  /// Where a test of an argument holds, or does not; else the next rule for the call is asked. The lower half of the
+  /// argument: little endian.
+  void allow_where(unsigned call, unsigned argument, unsigned short test, unsigned value, bool holds) {
     add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
     load(static_cast<unsigned>(offsetof(seccomp_data, args)) + 8 * argument);
     add(static_cast<unsigned short>(BPF_JMP | test | BPF_K), value, holds ? 0 : 1, holds ? 1 : 0);
-    add(BPF_RET | BPF_K, refused);
     add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    load(offsetof(seccomp_data, nr));
   }
   void load(unsigned offset) {
     add(BPF_LD | BPF_W | BPF_ABS, offset);
@@ -92,72 +89,57 @@ class Filter {
   std::vector<sock_filter> code_;
 };
 
-void refuse_programs(Filter& filter) {
-  for (const unsigned call : {__NR_execve,
-                              __NR_execveat,
-                              __NR_kill,
-                              __NR_tkill,
-                              __NR_ptrace,
-                              __NR_socket,
-                              __NR_process_vm_readv,
-                              __NR_process_vm_writev,
-                              __NR_io_uring_setup,
-                              __NR_rt_sigqueueinfo,
-                              __NR_rt_tgsigqueueinfo,
-                              __NR_pidfd_open,
-                              __NR_pidfd_send_signal,
-                              __NR_mount,
-                              __NR_umount2,
-                              __NR_chroot,
-                              __NR_pivot_root,
-                              __NR_unshare,
-                              __NR_setns,
-                              __NR_bpf,
-                              __NR_perf_event_open,
-                              __NR_userfaultfd,
-                              __NR_keyctl,
-                              __NR_add_key,
-                              __NR_request_key,
-                              __NR_init_module,
-                              __NR_finit_module,
-                              __NR_open_by_handle_at,
-                              __NR_setxattr,
-                              __NR_lsetxattr,
-                              __NR_fsetxattr,
-                              __NR_removexattr,
-                              __NR_lremovexattr,
-                              __NR_fremovexattr,
-                              __NR_fchmod,
-                              __NR_fchown,
-                              __NR_acct,
-                              __NR_swapon,
-                              __NR_reboot})
-    filter.refuse(call);
-  filter.refuse_but(__NR_tgkill, 0, static_cast<unsigned>(getpid()));  // abort is
-  filter.refuse_value(__NR_ioctl, 1, TIOCSTI);                         // words of a terminal
-#if defined(__x86_64__)
-  filter.refuse(__NR_fork);
-  filter.refuse(__NR_vfork);
+/// What computing, reading files and writing to what is open need.
+void allow_computing(Filter& filter) {
+  for (const unsigned call : {
+         __NR_read, __NR_pread64, __NR_readv, __NR_preadv, __NR_write, __NR_pwrite64, __NR_writev, __NR_pwritev,
+             __NR_lseek, __NR_close, __NR_fstat, __NR_newfstatat, __NR_statx, __NR_statfs, __NR_fstatfs, __NR_faccessat,
+             __NR_readlinkat, __NR_getdents64, __NR_getcwd, __NR_dup, __NR_dup3, __NR_fadvise64, __NR_fsync,
+             __NR_fdatasync, __NR_ppoll, __NR_brk, __NR_mmap, __NR_munmap, __NR_mremap, __NR_mprotect, __NR_madvise,
+             __NR_futex, __NR_set_robust_list, __NR_get_robust_list, __NR_membarrier, __NR_set_tid_address,
+             __NR_sched_yield, __NR_sched_getaffinity, __NR_sched_setaffinity, __NR_sched_getparam,
+             __NR_sched_getscheduler, __NR_getcpu, __NR_get_mempolicy, __NR_exit, __NR_exit_group, __NR_rt_sigaction,
+             __NR_rt_sigprocmask, __NR_rt_sigreturn, __NR_sigaltstack, __NR_restart_syscall, __NR_nanosleep,
+             __NR_clock_nanosleep, __NR_clock_gettime, __NR_clock_getres, __NR_gettimeofday, __NR_times, __NR_getrusage,
+             __NR_getrandom, __NR_uname, __NR_sysinfo, __NR_umask, __NR_getpid, __NR_getppid, __NR_gettid, __NR_getuid,
+             __NR_geteuid, __NR_getgid, __NR_getegid,
+#if defined(__NR_rseq)
+             __NR_rseq,
 #endif
-  filter.refuse_without(__NR_clone, 0, CLONE_THREAD);
-  filter.hide(__NR_clone3);  // its flags lie where a filter cannot read
+#if defined(__NR_faccessat2)
+             __NR_faccessat2,
+#endif
+#if defined(__x86_64__)  // calls that newer machines have no more
+             __NR_stat, __NR_lstat, __NR_access, __NR_readlink, __NR_getdents, __NR_dup2, __NR_poll, __NR_select,
+             __NR_time, __NR_arch_prctl
+#endif
+       })
+    filter.allow(call);
+  filter.allow_with(__NR_clone, 0, CLONE_THREAD);
+  filter.hide(__NR_clone3);                                             // its flags lie where a filter cannot read
+  filter.allow_value(__NR_tgkill, 0, static_cast<unsigned>(getpid()));  // abort is
+  filter.allow_value(__NR_ioctl, 1, TCGETS);                            // is it a terminal?
+  filter.allow_value(__NR_prlimit64, 0, 0);                             // its own stack
+  for (const unsigned wanted : {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL})
+    filter.allow_value(__NR_fcntl, 1, wanted);
+  for (const unsigned option : {PR_SET_NAME, PR_GET_NAME, PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP})
+    filter.allow_value(__NR_prctl, 0, option);
 }
 
-void refuse_files(Filter& filter) {
+void allow_opening(Filter& filter, Confined what) {
+  if (what == Confined::Programs) {
+    filter.allow(__NR_openat);
+    filter.allow(__NR_ftruncate);
+#if defined(__x86_64__)
+    filter.allow(__NR_open);
+#endif
+    return;
+  }
   constexpr unsigned writes = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
-  filter.refuse_flags(__NR_openat, 2, writes);
-#if defined(__x86_64__)  // calls that newer machines have no more
-  filter.refuse_flags(__NR_open, 1, writes);
-  for (const unsigned call : {__NR_creat, __NR_unlink, __NR_rename, __NR_mkdir, __NR_rmdir, __NR_link, __NR_symlink,
-                              __NR_chmod, __NR_chown, __NR_lchown, __NR_mknod, __NR_utime, __NR_utimes})
-    filter.refuse(call);
+  filter.allow_without(__NR_openat, 2, writes);
+#if defined(__x86_64__)
+  filter.allow_without(__NR_open, 1, writes);
 #endif
-#if defined(__NR_renameat)
-  filter.refuse(__NR_renameat);
-#endif
-  for (const unsigned call : {__NR_openat2, __NR_unlinkat, __NR_renameat2, __NR_mkdirat, __NR_linkat, __NR_symlinkat,
-                              __NR_fchmodat, __NR_fchownat, __NR_mknodat, __NR_truncate, __NR_utimensat})
-    filter.refuse(call);
 }
 
 }  // namespace
@@ -194,8 +176,8 @@ bool write_only(const std::string& path) {
 
 bool confine(Confined what) {
   Filter filter;
-  refuse_programs(filter);
-  if (what == Confined::Files) refuse_files(filter);
+  allow_computing(filter);
+  allow_opening(filter, what);
   return filter.install();
 }
 

@@ -7,7 +7,7 @@
 namespace kerf {
 
 enum class Confined {
-  Programs,  // none is started, no connection made, no other process disturbed
+  Programs,  // none is started, no connection made, no other process disturbed: only listed calls are made
   Files,     // that, and no file made, opened for writing, renamed or removed
 };
 

@@ -322,6 +322,68 @@ void add_times(std::string& out, const Result& result) {
   if (result.peak_memory_mb > 0) add(out, "memory", {fmt::format("peak {:.1f} MB", result.peak_memory_mb)});
 }
 
+/// The title, how the run ended, the units.
+void add_case(std::string& out, const Result& result) {
+  const std::string title = clean_text(result.title);
+  add_sentence(out, "case",
+               clean_text(result.case_name) + (title.empty() || title == result.case_name ? "" : ": " + title));
+  // How an optimization ended, its own line says.
+  const bool told = result.optimize && result.status == word(result.optimize->ending);
+  if (!told && (result.status != "ok" || result.reason))
+    add_sentence(out, "status", result.status + (result.reason ? ": " + *result.reason : ""));
+  const Units& u = result.units;
+  if (u.given())
+    add_sentence(
+        out, "units",
+        fmt::format("{} and {}; forces, moments and energies per {} of thickness", u.length, u.stress, u.length));
+}
+
+void add_mesh(std::string& out, const Result& result) {
+  const std::string length = unit(result.units, dimension::length);
+  add(out, "mesh",
+      {fmt::format("{} triangles", result.triangles), fmt::format("{} vertices", result.vertices),
+       item("h", result.mesh.h_min) + " .. " + six(result.mesh.h_max) + (length.empty() ? "" : " " + length),
+       fmt::format("min angle {:.1f} deg", result.mesh.min_angle_deg),
+       fmt::format("mean quality {:.3f}", result.mesh.mean_quality)});
+}
+
+void add_adaptation(std::string& out, const AdaptResult& a) {
+  add_sentence(out, "adapt",
+               fmt::format("{}{} after {} rounds", a.of.empty() ? "" : fmt::format("for {}: ", clean_text(a.of)),
+                           a.stopped, a.rounds.size()));
+}
+
+void add_state(std::string& out, const StateResult& s, const Units& u) {
+  const std::string energy = unit(u, dimension::energy), stress = unit(u, dimension::stress),
+                    length = unit(u, dimension::length);
+  add(out, "state",
+      {fmt::format("{} {}", s.element, s.degree), fmt::format("{} unknowns", s.unknowns),
+       fmt::format("{} condensed", s.condensed_unknowns), item("residual", s.residual)});
+  add(out, "",
+      {item("energy", s.energy, energy), item("compliance", s.compliance, energy),
+       item("area", s.area, unit(u, dimension::area))});
+  if (s.von_mises) add(out, "", in_words("max von Mises stress", *s.von_mises, stress));
+  if (s.displacement) add(out, "", in_words("max displacement", *s.displacement, length));
+  if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
+  if (s.energy_bounds) {
+    add(out, "",
+        {fmt::format("energy{} in [{}, {}]{}", s.of_polygon ? " of the polygon" : "", six((*s.energy_bounds)[0]),
+                     six((*s.energy_bounds)[1]), energy.empty() ? "" : " " + energy)});
+  }
+  add_resultants(out, s, u);
+  if (s.thickness) add_plate(out, s, *s.thickness, u);
+  for (const std::string& note : s.notes) add_sentence(out, "note", note);
+}
+
+void add_contact(std::string& out, const ContactResultSummary& c, const std::string& length) {
+  add(out, "contact",
+      {c.method, fmt::format("{} iterations", c.iterations), fmt::format("{} linear solves", c.linear_solves),
+       item("kkt", c.kkt)});
+  std::vector<std::string> lengths = {item("open", c.open_length, length), item("closed", c.closed_length, length)};
+  if (c.biactive_length > 0) lengths.push_back(item("biactive", c.biactive_length, length));
+  add(out, "", lengths);
+}
+
 }  // namespace
 
 std::string without_extrema(const MapResult& map) {
@@ -334,66 +396,16 @@ std::string without_extrema(const MapResult& map) {
 }
 
 std::string summary(const Result& result) {
-  std::string out;
-  const std::string title = clean_text(result.title);
-  add_sentence(out, "case",
-               clean_text(result.case_name) + (title.empty() || title == result.case_name ? "" : ": " + title));
-  // How an optimization ended, its own line says.
-  const bool told = result.optimize && result.status == word(result.optimize->ending);
-  if (!told && (result.status != "ok" || result.reason)) {
-    add_sentence(out, "status", result.status + (result.reason ? ": " + *result.reason : ""));
-  }
   const Units& u = result.units;
-  const std::string energy = unit(u, dimension::energy), stress = unit(u, dimension::stress),
-                    length = unit(u, dimension::length),
-                    of_functional = result.functional_dimension ? unit(u, *result.functional_dimension) : "",
+  const std::string of_functional = result.functional_dimension ? unit(u, *result.functional_dimension) : "",
                     of_map = result.functional_dimension ? unit(u, per_area(*result.functional_dimension)) : "";
-  if (u.given())
-    add_sentence(
-        out, "units",
-        fmt::format("{} and {}; forces, moments and energies per {} of thickness", u.length, u.stress, u.length));
-  if (result.triangles > 0) {
-    add(out, "mesh",
-        {fmt::format("{} triangles", result.triangles), fmt::format("{} vertices", result.vertices),
-         item("h", result.mesh.h_min) + " .. " + six(result.mesh.h_max) + (length.empty() ? "" : " " + length),
-         fmt::format("min angle {:.1f} deg", result.mesh.min_angle_deg),
-         fmt::format("mean quality {:.3f}", result.mesh.mean_quality)});
-  }
-  if (result.adapt)
-    add_sentence(out, "adapt",
-                 fmt::format("{}{} after {} rounds",
-                             result.adapt->of.empty() ? "" : fmt::format("for {}: ", clean_text(result.adapt->of)),
-                             result.adapt->stopped, result.adapt->rounds.size()));
-  if (result.state) {
-    const StateResult& s = *result.state;
-    add(out, "state",
-        {fmt::format("{} {}", s.element, s.degree), fmt::format("{} unknowns", s.unknowns),
-         fmt::format("{} condensed", s.condensed_unknowns), item("residual", s.residual)});
-    add(out, "",
-        {item("energy", s.energy, energy), item("compliance", s.compliance, energy),
-         item("area", s.area, unit(u, dimension::area))});
-    if (s.von_mises) add(out, "", in_words("max von Mises stress", *s.von_mises, stress));
-    if (s.displacement) add(out, "", in_words("max displacement", *s.displacement, length));
-    if (s.estimated_error) add(out, "", {item("estimated error", *s.estimated_error)});
-    if (s.energy_bounds) {
-      add(out, "",
-          {fmt::format("energy{} in [{}, {}]{}", s.of_polygon ? " of the polygon" : "", six((*s.energy_bounds)[0]),
-                       six((*s.energy_bounds)[1]), energy.empty() ? "" : " " + energy)});
-    }
-    add_resultants(out, s, u);
-    if (s.thickness) add_plate(out, s, *s.thickness, u);
-    for (const std::string& note : s.notes) add_sentence(out, "note", note);
-  }
+  std::string out;
+  add_case(out, result);
+  if (result.triangles > 0) add_mesh(out, result);
+  if (result.adapt) add_adaptation(out, *result.adapt);
+  if (result.state) add_state(out, *result.state, u);
   add_load_cases(out, result.load_cases, u);
-  if (result.contact) {
-    const ContactResultSummary& c = *result.contact;
-    add(out, "contact",
-        {c.method, fmt::format("{} iterations", c.iterations), fmt::format("{} linear solves", c.linear_solves),
-         item("kkt", c.kkt)});
-    std::vector<std::string> lengths = {item("open", c.open_length, length), item("closed", c.closed_length, length)};
-    if (c.biactive_length > 0) lengths.push_back(item("biactive", c.biactive_length, length));
-    add(out, "", lengths);
-  }
+  if (result.contact) add_contact(out, *result.contact, unit(u, dimension::length));
   for (const CrackResult& crack : result.cracks) add_crack(out, crack, u);
   if (result.bounds) add_bounds(out, *result.bounds, u, of_map);
   if (result.functional) add_functional(out, *result.functional, of_functional);

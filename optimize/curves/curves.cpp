@@ -260,7 +260,7 @@ std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::share
     try {
       solve(x);
     } catch (const Error& error) {
-      if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+      if (!of_one_body(error)) throw;
       failure = error.what();
     }
   }
@@ -639,7 +639,7 @@ void CurvesRun::look_closer() try {
   if (!out_.finer || !out_.finer->failure.empty()) out_.finer = finer_design(finer, asked_, *y.solved, whole_);
   out_.finer->residual = y.residual;
 } catch (const Error& error) {
-  if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;  // whoever judges will find out why
+  if (!of_one_body(error)) throw;  // whoever judges will find out why
 }
 
 /// Steps to the end within the frame.

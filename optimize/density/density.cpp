@@ -1,8 +1,8 @@
 #include "optimize/density/density.hpp"
 
+#include "base/parallel.hpp"
 #include "optimize/density/simp.hpp"
 #include "optimize/loop/evaluate.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 #include "optimize/level_set/certificate.hpp"
 
+#include "base/nonnegative.hpp"
 #include "geometry/plane.hpp"
 #include "kerf/map.hpp"
-#include "solver/nonnegative.hpp"
 #include "solver/stress.hpp"
 #include "topo/bump.hpp"
 #include "topo/map_at_centroids.hpp"

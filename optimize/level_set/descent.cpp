@@ -344,7 +344,7 @@ Descent::Tried Descent::attempt() {
     ++s_.solves;
     t.drawing = draw(g_, t.phi, g_.weak() ? std::nullopt : wanted, rules_.coarse);
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     t.failure = error.what();
   }
   return t;
@@ -372,7 +372,7 @@ double Descent::own_residual() const {
   try {
     return residual();
   } catch (const Error& error) {  // the step from here will say so
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     return nan;
   }
 }
@@ -545,7 +545,7 @@ bool Descent::try_nucleation() {
     s_.phi = std::move(t.drawing.phi);
     show(std::move(t.drawing.design), t.notes);
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     return false;
   }
   s_.track.clear();

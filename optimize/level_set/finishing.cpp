@@ -111,7 +111,7 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
     const Carved carved = carved_again(g, d.progress().phi);
     return finish_curves(drawn, with_room(g, drawn, carved, how), carved, how, see, known);
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     FinishedCurves out;
     out.why = fmt::format("the design stays as carved: {}", error.what());
     return out;

@@ -1,3 +1,4 @@
+#include "base/kept_memory.hpp"
 #include "optimize/checkpoint_reader.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/end.hpp"
@@ -5,7 +6,6 @@
 #include "optimize/level_set/starts.hpp"
 #include "optimize/load_cases.hpp"
 #include "optimize/refuse.hpp"
-#include "solver/kept_memory.hpp"
 
 #include <fmt/core.h>
 
@@ -143,7 +143,7 @@ void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
       row.note = "the curves, meshed as kerf solve does";
       return show(std::move(row), {end.finishing.back(), end.last->shape, c.model, c.state});
     } catch (const Error& error) {
-      if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+      if (!of_one_body(error)) throw;
       why = error.what();
       end.last = nullptr;
     }
@@ -185,7 +185,7 @@ bool LevelSetRun::restore() {
   try {
     descent_ = std::make_unique<Descent>(ground_, rules_of(ground_), std::move(state));
   } catch (const Error& error) {  // it was drawn and solved before
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     throw broken_checkpoint();
   }
   if (!is_as_told(descent_->design(), last_taken(descent_->progress().rows))) throw broken_checkpoint();

@@ -1,10 +1,10 @@
 #include "optimize/level_set/starts.hpp"
 
+#include "base/parallel.hpp"
 #include "geometry/plane.hpp"
 #include "optimize/density/density.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/start.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 
@@ -91,7 +91,7 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
     }
     ranked = {true, d.keeps_bounds(d.design()), d.merit(), d.progress().solves};
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
   }
   return ranked;
 }

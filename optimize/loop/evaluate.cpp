@@ -1,8 +1,8 @@
 #include "optimize/loop/evaluate.hpp"
 
+#include "base/stopwatch.hpp"
 #include "kerf/mesher.hpp"
 #include "solver/moved.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <algorithm>
 #include <utility>

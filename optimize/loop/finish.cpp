@@ -154,7 +154,7 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
       return solved();
     }
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     return {.size = finer.sizing.size, .element = finer.element, .failure = error.what()};
   }
 }

@@ -80,7 +80,7 @@ class CaseIntervals {
     qualify(sum, of_polygon);
     return sum;
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     return no_interval(fmt::format("no bound: {}", error.what()));
   }
 

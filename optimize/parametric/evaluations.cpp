@@ -329,7 +329,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
     }
     s.solve_on(*mesh, s.built(s.bases[static_cast<std::size_t>(result.base)]), x, gradients, result);
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     e.failure = error.what();
     result.fault = error.fault;
     s.last.reset();
@@ -359,7 +359,7 @@ Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& rea
       out.gradients.col(static_cast<Eigen::Index>(k)) = by;
     }
   } catch (const Error& error) {
-    if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    if (!of_one_body(error)) throw;
     out.failure = error.what();
     out.fault = error.fault;
   }

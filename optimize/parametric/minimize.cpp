@@ -1,7 +1,7 @@
 #include "optimize/parametric/minimize.hpp"
 
+#include "base/nonnegative.hpp"
 #include "kerf/types.hpp"
-#include "solver/nonnegative.hpp"
 
 #include <fmt/core.h>
 #include <nlopt.h>

@@ -1,11 +1,11 @@
 #include "optimize/parametric/starts.hpp"
 
+#include "base/packer.hpp"
+#include "base/parallel.hpp"
 #include "optimize/load_cases.hpp"
 #include "optimize/parametric/evaluations.hpp"
 #include "optimize/parametric/shapes/shape.hpp"
 #include "optimize/parametric/start.hpp"
-#include "solver/packer.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 

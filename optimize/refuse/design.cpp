@@ -150,7 +150,7 @@ void look_at_element(const Problem& p, const OptimizeRequest& r, std::vector<Wro
   for (std::size_t k = 0; k < r.design.drawn.size(); ++k) {
     const Drawn& one = r.design.drawn[k];
     if (shape_of(one).part == BodyPart::Crack)
-      refuse(one.law.kind == CrackLaw::Kind::Unilateral ? can_contact : can_open, "[[optimize.crack]]: ");
+      refuse(is_unilateral(one.law) ? can_contact : can_open, "[[optimize.crack]]: ");
     if (shape_of(one).part == BodyPart::Region) {
       refuse(can_have_regions, "[[optimize.region]]: ");
       if (one.poisson == 0.5 && p.plane_strain) refuse(can_be_incompressible, "[[optimize.region]]: ");

@@ -1,6 +1,6 @@
 #include "plot/figure/pen.hpp"
 
-#include "geometry/address_space.hpp"
+#include "base/address_space.hpp"
 #include "io/files.hpp"
 
 #include <fmt/core.h>

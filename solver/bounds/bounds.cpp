@@ -5,13 +5,13 @@
 #include "solver/shared_bounds.hpp"
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/curved.hpp"
 #include "solver/bounds/faces.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
 #include "solver/bounds/triangle_bounds.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>
@@ -98,7 +98,7 @@ FaceFields face_fields(const Model& m, const std::vector<EdgeData>& data, const 
                        const std::vector<Share>& shares) {
   std::vector<Index> edges;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c)
-    if (m.scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+    if (is_unilateral(m.scene.laws[c]))
       for (const CrackEdge& crack : m.mesh.cracks[c]) edges.push_back(crack.edge);
   std::vector<const EdgeData*> given(m.mesh.edges.size(), nullptr);
   for (std::size_t i = data.size(); i-- > 0;) given[data[i].edge] = &data[i];  // of cracks the left side
@@ -199,7 +199,7 @@ const char* unavailable_on_arcs(const Model& m) {
   if (m.mesh.arc.empty()) return nullptr;
   for (std::size_t e = 0; e < m.mesh.edges.size(); ++e) {
     if (m.mesh.arc[e] == none) continue;
-    if (m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind == CrackLaw::Kind::Unilateral)
+    if (m.mesh.crack[e] != none && is_unilateral(m.scene.laws[m.mesh.crack[e]]))
       return "no bounds of the energy: contact on curved faces (mesh.curved)";
     if (rolls_along_curve(m, static_cast<Index>(e)) && !is_plain_roller(m.inner->skeleton, static_cast<Index>(e)))
       return "no bounds of the energy: a displacement, not 0, that is given along the normal of a curved side "
@@ -236,7 +236,7 @@ std::string no_energy_bounds_because(const Model& m) {
   if (const char* why = unavailable_on_arcs(m)) return why;
   if (!m.inner->standing.empty()) return "no bounds of the energy: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
-    if (law.kind == CrackLaw::Kind::Unilateral && law.normal)
+    if (is_unilateral(law) && law.normal)
       return "no bounds of the energy: the chords of a curved crack in contact do not slide";
     if (has_gap(law)) return "no bounds of the energy: the faces of a crack are apart before loading";
     if (has_friction(law)) return "no bounds of the energy: with friction the solution does not minimize one";

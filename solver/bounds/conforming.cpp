@@ -4,9 +4,9 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
 #include "kerf/recover.hpp"
 #include "solver/bounds/right_inverse.hpp"
-#include "solver/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -244,7 +244,7 @@ double mean_opening(const Model& m, const Field& s, Index e) {
 template <class Visit>  // visit(edge) for every edge of a unilateral crack
 void on_unilateral_edges(const Model& m, Visit&& visit) {
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c)
-    if (m.scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+    if (is_unilateral(m.scene.laws[c]))
       for (const CrackEdge& crack : m.mesh.cracks[c]) visit(crack.edge);
 }
 

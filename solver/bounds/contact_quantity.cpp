@@ -109,7 +109,7 @@ struct ContactQuantityBounds::Impl {
   /// Of w with free faces.
   EnergyBounds energy_with_free_faces(Scene w) const {
     for (CrackLaw& law : w.laws)
-      if (law.kind == CrackLaw::Kind::Unilateral) law.kind = CrackLaw::Kind::Open;
+      if (is_unilateral(law)) law.kind = CrackLaw::Kind::Open;
     if (!free) free = prepare(m.mesh, m.element, w, m.threads);
     const Model model = with_loads(*free, std::move(w));
     return energy_bounds(model, solve(model));

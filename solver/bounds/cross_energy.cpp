@@ -1,10 +1,10 @@
 // The products of two states that differences of energies are made of.
 
+#include "base/parallel.hpp"
 #include "solver/anisotropic.hpp"
 #include "solver/bounds/admissible.hpp"
 #include "solver/bounds/curved.hpp"
 #include "solver/bounds/right_inverse.hpp"
-#include "solver/parallel.hpp"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 #include "solver/bounds/lane_bounds.hpp"
 
+#include "base/parallel.hpp"
 #include "solver/bounds/triangle_bounds.hpp"
-#include "solver/parallel.hpp"
 
 #include <Eigen/LU>
 

@@ -1,8 +1,8 @@
 #include "solver/bounds/lane_states.hpp"
 
+#include "base/parallel.hpp"
 #include "solver/anisotropic.hpp"
 #include "solver/bounds/right_inverse.hpp"
-#include "solver/parallel.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system/elementwise.hpp"
 

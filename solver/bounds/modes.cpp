@@ -1,7 +1,7 @@
 #include "solver/bounds/modes.hpp"
 
 #include "base/dense.hpp"
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 
 #include <algorithm>
 

@@ -3,9 +3,9 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 #include "solver/bounds/right_inverse.hpp"
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -135,79 +135,99 @@ bool rolls_along_curve(const Model& m, Index edge) {
   return m.mesh.label[edge] != none && s.bent_at[edge] != none && bow_at(s.bows, edge);
 }
 
-std::vector<EdgeData> edge_data(const Model& m) {
-  const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
-  const Eigen::MatrixXd basis = traces(carrier, sample.s), trace = traces(m.inner->kernel.trace, sample.s),
-                        trace_at_carrier = traces(m.inner->kernel.trace, carrier.s);
-  std::vector<Index> place(m.mesh.edges.size(), none);
-  std::vector<EdgeData> data;
-  std::vector<Sampled> load;
-  const auto entry = [&](Index e) {
-    if (place[e] == none) {
-      place[e] = static_cast<Index>(data.size());
+namespace {
+
+/// What is prescribed and what acts on edges, edge by edge; loads as they are sampled until all are there.
+class GivenOnEdges {
+ public:
+  explicit GivenOnEdges(const Model& m) : m_(m), place_(m.mesh.edges.size(), none) {}
+
+  void add_support(const Support& support, Index e, const EdgeValues& given) {
+    const EdgeLine line = edge_line(m_.mesh, e);
+    EdgeData& d = data_[entry(e)];
+    for (int k = 0; k < 2; ++k) {
+      if (!(k == 0 ? support.first : support.second)) continue;
+      d.held[k] = true;
+      d.bent = d.bent || rolls_along_curve(m_, e);
+      d.displacement.row(k) = given.at.row(k);
+      d.ends.row(k) << support.value(line.a, line.n)[k], support.value(line.b, line.n)[k];
+      d.rest[k] = given.rest[k];
+      d.rough[k] = given.rough[k];
+    }
+    d.jumps = d.jumps || given.jumps;
+    note_open(d, given);
+  }
+
+  void add_traction(Index e, const EdgeValues& given) {
+    EdgeData& d = data_[entry(e)];
+    const Mat2& frame = m_.inner->skeleton.frame[e];
+    load_[place_[e]] += frame.transpose() * given.at;
+    // Of the components along the frame, at most.
+    for (int k = 0; k < 2; ++k) {
+      const Vec2 share = frame.col(k).cwiseAbs();
+      for (int c = 0; c < 2; ++c) {
+        if (share[c] == 0) continue;
+        d.unseen[k] += share[c] * std::sqrt(given.rest[c]);
+        d.primitive[k] += share[c] * std::sqrt(given.primitive[c]);
+      }
+      d.moved[k] += share.dot(given.error);
+    }
+    note_open(d, given);
+  }
+
+  /// With pressures on cracks; loads as the polynomials of `carrier` that work the same, and what those leave.
+  std::vector<EdgeData> fitted() && {
+    add_pressures(m_, data_, load_);
+    const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points), &own = m_.inner->kernel.trace;
+    const Eigen::MatrixXd basis = traces(carrier, sample.s), trace = traces(own, sample.s),
+                          trace_at_carrier = traces(own, carrier.s);
+    for (std::size_t i = 0; i < data_.size(); ++i) {
+      EdgeData& d = data_[i];
+      const Eigen::Matrix<double, 2, data_points> weighted = load_[i] * sample.w.asDiagonal();
+      d.load = weighted * basis.transpose() * carrier.w.cwiseInverse().asDiagonal();
+      d.unbalanced = d.load - weighted * trace.transpose() * own.w.cwiseInverse().asDiagonal() * trace_at_carrier;
+      const Eigen::Matrix<double, 2, data_points> rest = load_[i] - d.load * basis;
+      for (int k = 0; k < 2; ++k) {
+        if (d.held[k] || d.bent) d.unbalanced.row(k).setZero();
+        if (!d.held[k]) d.left_out += length(m_.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
+      }
+    }
+    return std::move(data_);
+  }
+
+ private:
+  Index entry(Index e) {
+    if (place_[e] == none) {
+      place_[e] = static_cast<Index>(data_.size());
       EdgeData d;
       d.edge = e;
-      d.triangle = m.mesh.sides[e][m.mesh.sides[e][0] == none ? 1 : 0];
-      while (m.mesh.edges_of[d.triangle][d.side] != e) ++d.side;
+      d.triangle = m_.mesh.sides[e][m_.mesh.sides[e][0] == none ? 1 : 0];
+      while (m_.mesh.edges_of[d.triangle][d.side] != e) ++d.side;
       d.displacement.setZero();
-      data.push_back(d);
-      load.emplace_back(Sampled::Zero());
+      data_.push_back(d);
+      load_.emplace_back(Sampled::Zero());
     }
-    return place[e];
-  };
+    return place_[e];
+  }
+
+  const Model& m_;
+  std::vector<Index> place_;
+  std::vector<EdgeData> data_;
+  std::vector<Sampled> load_;
+};
+
+}  // namespace
+
+std::vector<EdgeData> edge_data(const Model& m) {
+  GivenOnEdges given(m);
   const SceneData& scene = m.inner->data;
   for (std::size_t i = 0; i < scene.supports.size(); ++i)
-    for (std::size_t j = 0; j < scene.supports[i].values.size(); ++j) {
-      const Support& support = m.scene.supports[i];
-      const Index e = labeled(scene, support.label)[j];
-      const EdgeLine line = edge_line(m.mesh, e);
-      const EdgeValues& given = scene.supports[i].values[j];
-      EdgeData& d = data[entry(e)];
-      for (int k = 0; k < 2; ++k) {
-        if (!(k == 0 ? support.first : support.second)) continue;
-        d.held[k] = true;
-        d.bent = d.bent || rolls_along_curve(m, e);
-        d.displacement.row(k) = given.at.row(k);
-        d.ends.row(k) << support.value(line.a, line.n)[k], support.value(line.b, line.n)[k];
-        d.rest[k] = given.rest[k];
-        d.rough[k] = given.rough[k];
-      }
-      d.jumps = d.jumps || given.jumps;
-      note_open(d, given);
-    }
+    for (std::size_t j = 0; j < scene.supports[i].values.size(); ++j)
+      given.add_support(m.scene.supports[i], labeled(scene, m.scene.supports[i].label)[j], scene.supports[i].values[j]);
   for (const LoadedEdges& traction : scene.tractions)
-    for (std::size_t j = 0; j < traction.values.size(); ++j) {
-      const Index e = labeled(scene, traction.label)[j];
-      EdgeData& d = data[entry(e)];
-      const EdgeValues& given = traction.values[j];
-      const Mat2& frame = m.inner->skeleton.frame[e];
-      load[place[e]] += frame.transpose() * given.at;
-      // Of the components along the frame, at most.
-      for (int k = 0; k < 2; ++k) {
-        const Vec2 share = frame.col(k).cwiseAbs();
-        for (int c = 0; c < 2; ++c) {
-          if (share[c] == 0) continue;
-          d.unseen[k] += share[c] * std::sqrt(given.rest[c]);
-          d.primitive[k] += share[c] * std::sqrt(given.primitive[c]);
-        }
-        d.moved[k] += share.dot(given.error);
-      }
-      note_open(d, given);
-    }
-  add_pressures(m, data, load);
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    EdgeData& d = data[i];
-    const Eigen::Matrix<double, 2, data_points> weighted = load[i] * sample.w.asDiagonal();
-    d.load = weighted * basis.transpose() * carrier.w.cwiseInverse().asDiagonal();
-    d.unbalanced =
-        d.load - weighted * trace.transpose() * m.inner->kernel.trace.w.cwiseInverse().asDiagonal() * trace_at_carrier;
-    const Eigen::Matrix<double, 2, data_points> rest = load[i] - d.load * basis;
-    for (int k = 0; k < 2; ++k) {
-      if (d.held[k] || d.bent) d.unbalanced.row(k).setZero();
-      if (!d.held[k]) d.left_out += length(m.mesh, d.edge) * rest.row(k).cwiseAbs2().dot(sample.w.transpose());
-    }
-  }
-  return data;
+    for (std::size_t j = 0; j < traction.values.size(); ++j)
+      given.add_traction(labeled(scene, traction.label)[j], traction.values[j]);
+  return std::move(given).fitted();
 }
 
 }  // namespace kerf

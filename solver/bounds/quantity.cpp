@@ -65,7 +65,7 @@ std::string no_quantity_because(const Model& m) {
   for (const CrackLaw& law : m.scene.laws) {
     if (has_gap(law)) return "no bounds: the faces of a crack are apart before loading";
     if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";
-    if (law.kind == CrackLaw::Kind::Unilateral) return "no bounds: a crack may be in contact";
+    if (is_unilateral(law)) return "no bounds: a crack may be in contact";
   }
   return {};
 }
@@ -276,8 +276,7 @@ std::optional<ArcTip> arc_of_tip(const Mesh& mesh, const CrackTip& tip, const st
 
 QuantityBounds::QuantityBounds(const Model& m, const State& u, bool with_indicators)
     : impl_(std::make_unique<Impl>(Impl{m, u, with_indicators, no_quantity_because(m), {}})) {
-  if (std::ranges::any_of(m.scene.laws, [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; }))
-    impl_->contact = std::make_unique<ContactQuantityBounds>(m, u);
+  if (has_contact(m.scene)) impl_->contact = std::make_unique<ContactQuantityBounds>(m, u);
   if (impl_->why.empty()) impl_->m.mesh = labelled(std::move(impl_->m.mesh));
 }
 QuantityBounds::~QuantityBounds() = default;

@@ -3,7 +3,7 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 
 #include <cmath>
 #include <map>

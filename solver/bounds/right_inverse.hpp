@@ -2,7 +2,7 @@
 // Polynomials on a reference triangle by their values at lattice points, local right inverses of the divergence
 // [theory: B.5].
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 
 #include <array>
 

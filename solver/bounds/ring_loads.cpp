@@ -1,10 +1,10 @@
 #include "solver/bounds/ring_loads.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 #include "solver/bounds/right_inverse.hpp"
 #include "solver/bounds/statics.hpp"
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "solver/system/penalty.hpp"
 
 #include "base/dense.hpp"
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 #pragma once
 // The solution made ready to become a statically admissible stress [theory: B.4].
 
-#include "solver/sums.hpp"
+#include "base/sums.hpp"
 #include "solver/system.hpp"
 
 namespace kerf {

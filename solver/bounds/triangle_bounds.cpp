@@ -20,6 +20,62 @@ double orthotropic_work(const Material& m, double s11, double s22, double s12) {
   return e[0] * s11 + e[1] * s22 + 2 * e[2] * s12;
 }
 
+/// Elastic energy of strains g + alpha h as a parabola in alpha.
+class ElasticEnergy {
+ public:
+  explicit ElasticEnergy(const Material& m)
+      : m_(m), C_(isotropic(m) ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : stress_matrix(m)) {}
+  void add(double w, const Mat2& g, const Mat2& h, Parabola& to) const {
+    const double mu = m_.mu, c = m_.c, volume = g.trace(), own_volume = h.trace();
+    const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
+                 own_shear = h(0, 1) + h(1, 0);
+    if (!isotropic(m_)) {
+      const Eigen::Vector3d strain(g(0, 0), g(1, 1), shear), own(h(0, 0), h(1, 1), own_shear);
+      to.e += w * 0.5 * strain.dot(C_ * strain);
+      to.b += w * strain.dot(C_ * own);
+      to.a += w * 0.5 * own.dot(C_ * own);
+      return;
+    }
+    to.e += w * 0.5 * mu * (difference * difference + shear * shear);
+    to.b += w * mu * (difference * own_difference + shear * own_shear);
+    to.a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
+    if (c > 0) {
+      to.e += w * volume * volume / (8 * c);
+      to.b += w * 2 * volume * own_volume / (8 * c);
+      to.a += w * own_volume * own_volume / (8 * c);
+    }
+  }
+
+ private:
+  const Material& m_;
+  Eigen::Matrix3d C_;
+};
+
+/// The gradient of z + alpha w: z is what the conforming displacement has beyond polynomials of degree trace + 1.
+class Roughness {
+ public:
+  void set(const Points& z, const std::array<Eigen::MatrixXd, 2>& slope_at_rule) {
+    zx_ = z * slope_at_rule[0].transpose();
+    zy_ = z * slope_at_rule[1].transpose();
+  }
+  void add(double weight, Eigen::Index q, const Mat2& inverse, const Mat2& h) {
+    ww_ += weight * h.squaredNorm();
+    if (zx_.cols() == 0) return;
+    Mat2 z;
+    z << zx_.col(q), zy_.col(q);
+    z = (z * inverse).eval();
+    zz_ += weight * z.squaredNorm();
+    zw_ += weight * z.cwiseProduct(h).sum();
+  }
+  double at(double alpha) const {
+    return std::sqrt(std::max(0.0, zz_ + alpha * (2 * zw_ + alpha * ww_)));
+  }
+
+ private:
+  Points zx_ = Points(2, 0), zy_ = Points(2, 0);
+  double zz_ = 0, zw_ = 0, ww_ = 0;  // squares and product of the gradients
+};
+
 TriangleReference reference_of(const Element& e, int n, const Forces& f) {
   TriangleReference r;
   r.n = n;
@@ -261,18 +317,10 @@ Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index
   return wanted;
 }
 
-void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
-                     Share& share) const {
-  const Triangle cell = triangle(m, t), shape = chords_of(cell);
-  const Mat2 J = jacobian(shape.x), inverse = J.inverse();
-  const Material& material = material_of(m.mesh, m.scene, t);
-  const double mu = material.mu, c = material.c;
-  const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
-  const double det = J.determinant();
+Points Bounding::conforming_values(const TriangleReference& r, const CellFields& at,
+                                   const std::vector<Index>& edges) const {
   const Eigen::Map<const Points> nodal(at.nodal.data(), 2, at.nodal.size() / 2);
   Points v = nodal * r.raise.transpose();
-  share.largest = nodal.cwiseAbs().maxCoeff();
-  const Points low = v;
   for (const Index i : edges) {
     const EdgeData& d = data[i];
     if (!d.held[0] && !d.held[1]) continue;
@@ -281,20 +329,62 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
       v.col(q) += a.bump * (conforming.bubble[i] * trace_basis(carrier, a.s));
     }
   }
-  if (is_curved(cell)) {
-    const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
-    add_elastic_energy(*r.curved, cell, material, stress, curved_strain(*r.curved, t), load_on(*r.curved, t), v, share,
-                       keep);
-    if (leaves_strain(t))
-      share.above += moved_by_eigenstrain(material, cell, strain().rest[column(t)], strain().error[column(t)],
-                                          {share.elastic, share.strain, share.stress, share.force});
-    for (const Index i : edges) {
-      const double work = work_on_edge(i);
-      share.upper -= work;
-      share.size += std::abs(work);
-    }
-    return;
+  return v;
+}
+
+void Bounding::upper_curved(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
+                            const Points& v, Share& share) const {
+  const Triangle cell = triangle(m, t), shape = chords_of(cell);
+  const Material& material = material_of(m.mesh, m.scene, t);
+  const Eigen::Matrix4Xd stress = evaluate(m.inner->kernel, shape, at.interior, nodes(r, shape)).stress;
+  add_elastic_energy(*r.curved, cell, material, stress, curved_strain(*r.curved, t), load_on(*r.curved, t), v, share,
+                     keep);
+  if (leaves_strain(t))
+    share.above += moved_by_eigenstrain(material, cell, strain().rest[column(t)], strain().error[column(t)],
+                                        {share.elastic, share.strain, share.stress, share.force});
+  for (const Index i : edges) {
+    const double work = work_on_edge(i);
+    share.upper -= work;
+    share.size += std::abs(work);
   }
+}
+
+double Bounding::add_works(const TriangleReference& r, Index t, const std::vector<Index>& edges, const Points& v,
+                           const Eigen::VectorXd& own, Parabola& along, Share& share) const {
+  const Triangle shape = chords_of(triangle(m, t));
+  const Mat2 J = jacobian(shape.x);
+  const double det = J.determinant();
+  double size = along.e;
+  if (f.nodal.cols() > 0) {
+    const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
+    const Points pull = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
+    share.force = diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) +
+                  f.left_out[column(t)];
+    for (Eigen::Index q = 0; q < pull.cols(); ++q) {
+      const double w = r.rule.w[q] * area(shape), work = pull.col(q).dot(value.col(q));
+      along.e -= w * work;
+      size += w * std::abs(work);
+      along.b -= w * pull.col(q).dot(J * own.segment<2>(2 * q)) / det;
+    }
+  }
+  for (const Index i : edges)
+    for (int g = 0; g < data_carriers; ++g) {
+      const double work = work_at(i, g);
+      along.e -= work;
+      size += std::abs(work);
+    }
+  return size;
+}
+
+void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
+                     Share& share) const {
+  const Triangle cell = triangle(m, t), shape = chords_of(cell);
+  const Points v = conforming_values(r, at, edges);
+  share.largest = at.nodal.cwiseAbs().maxCoeff();
+  if (is_curved(cell)) return upper_curved(r, t, at, edges, v, share);
+  const Mat2 J = jacobian(shape.x), inverse = J.inverse();
+  const double det = J.determinant();
+  const Material& material = material_of(m.mesh, m.scene, t);
   const Eigen::Matrix4Xd free = eigenstrain(r, t);
   Eigen::RowVectorXd wanted = wanted_divergence(r, t, at);
   for (int axis = 0; axis < 2; ++axis)
@@ -302,21 +392,18 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
   const Eigen::VectorXd scaled = det * wanted.transpose();
   const Eigen::VectorXd correction = r.inverse.derivative * scaled;
   const Points dx = v * r.field_slope_at_rule[0].transpose(), dy = v * r.field_slope_at_rule[1].transpose();
-  // J(v + alpha w) = e + alpha b + alpha^2 a; the least one. Without compressibility the divergence must vanish.
-  double e = 0, b = 0, a = 0, size = 0;
+  Roughness rough;
+  if (!edges.empty()) {
+    const Eigen::Map<const Points> nodal(at.nodal.data(), 2, at.nodal.size() / 2);
+    rough.set(v - Points(nodal * r.raise.transpose()), r.field_slope_at_rule);
+  }
+  const ElasticEnergy energy(material);
+  Parabola along;
   std::array<double, 2> worst{0, 0}, strained{0, 0};  // the latter of v and w
-  // z: what v has beyond polynomials of degree trace + 1; squares and product of the gradients of z and w.
-  double zz = 0, zw = 0, ww = 0;
-  Points zx, zy;
   Eigen::Matrix4Xd own_strain;
-  Points own_displacement;
   if (keep) {
     share.kept_strain.resize(4, r.rule.w.size());
     own_strain.resize(4, r.rule.w.size());
-  }
-  if (!edges.empty()) {
-    zx = (v - low) * r.field_slope_at_rule[0].transpose();
-    zy = (v - low) * r.field_slope_at_rule[1].transpose();
   }
   for (Eigen::Index q = 0; q < r.rule.w.size(); ++q) {
     const double w = r.rule.w[q] * area(shape);
@@ -331,78 +418,32 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
       share.kept_strain.col(q) << g(0, 0), g(0, 1), g(1, 0), g(1, 1);
       own_strain.col(q) << h(0, 0), h(0, 1), h(1, 0), h(1, 1);
     }
-    const double volume = g.trace(), own_volume = h.trace();
-    const double difference = g(0, 0) - g(1, 1), own_difference = h(0, 0) - h(1, 1), shear = g(0, 1) + g(1, 0),
-                 own_shear = h(0, 1) + h(1, 0);
-    if (!isotropic(material)) {
-      const Eigen::Vector3d strain(g(0, 0), g(1, 1), shear), own(h(0, 0), h(1, 1), own_shear);
-      e += w * 0.5 * strain.dot(C * strain);
-      b += w * strain.dot(C * own);
-      a += w * 0.5 * own.dot(C * own);
-    } else {
-      e += w * 0.5 * mu * (difference * difference + shear * shear);
-      b += w * mu * (difference * own_difference + shear * own_shear);
-      a += w * 0.5 * mu * (own_difference * own_difference + own_shear * own_shear);
-    }
-    if (c > 0 && isotropic(material)) {
-      e += w * volume * volume / (8 * c);
-      b += w * 2 * volume * own_volume / (8 * c);
-      a += w * own_volume * own_volume / (8 * c);
-    }
-    ww += w * h.squaredNorm();
-    if (!edges.empty()) {
-      Mat2 z;
-      z << zx.col(q), zy.col(q);
-      z = (z * inverse).eval();
-      zz += w * z.squaredNorm();
-      zw += w * z.cwiseProduct(h).sum();
-    }
-    worst[0] = std::max(worst[0], std::abs(volume + own_volume));
+    energy.add(w, g, h, along);
+    rough.add(w, q, inverse, h);
+    worst[0] = std::max(worst[0], std::abs(g.trace() + h.trace()));
     worst[1] = std::max(worst[1], whole.cwiseAbs().maxCoeff());
     strained[0] = std::max(strained[0], largest_strain(g));
     strained[1] = std::max(strained[1], largest_strain(h));
   }
-  const double alone = e, with_own = b, own_alone = a;
-  size += e;
-  if (keep) {
-    const Eigen::VectorXd own = r.inverse.value * scaled;
-    own_displacement = J / det * Eigen::Map<const Points>(own.data(), 2, own.size() / 2);
-  }
-  if (f.nodal.cols() > 0) {
-    const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
-    const Points pull = force * (r.at_rule * r.force).transpose(), value = v * r.field_at_rule.transpose();
-    const Eigen::VectorXd own = r.inverse.value * scaled;
-    share.force = diameter(shape) / pi * std::sqrt(area(shape) * pull.colwise().squaredNorm().dot(r.rule.w)) +
-                  f.left_out[column(t)];
-    for (Eigen::Index q = 0; q < pull.cols(); ++q) {
-      const double w = r.rule.w[q] * area(shape), work = pull.col(q).dot(value.col(q));
-      e -= w * work;
-      size += w * std::abs(work);
-      b -= w * pull.col(q).dot(J * own.segment<2>(2 * q)) / det;
-    }
-  }
-  for (const Index i : edges)
-    for (int g = 0; g < data_carriers; ++g) {
-      const double work = work_at(i, g);
-      e -= work;
-      size += std::abs(work);
-    }
-  const double alpha = c == 0 ? 1 : a > 0 ? -b / (2 * a) : 0;
-  share.upper = e + alpha * (b + alpha * a);
-  share.elastic = alone + alpha * (with_own + alpha * own_alone);
+  const Parabola elastic = along;
+  const Eigen::VectorXd own =
+      keep || f.nodal.cols() > 0 ? Eigen::VectorXd(r.inverse.value * scaled) : Eigen::VectorXd();
+  share.size += add_works(r, t, edges, v, own, along, share);
+  // Without compressibility the divergence must vanish.
+  const double alpha = material.c == 0 ? 1 : along.a > 0 ? -along.b / (2 * along.a) : 0;
+  share.upper = along.at(alpha);
+  share.elastic = elastic.at(alpha);
   if (keep) {
     share.kept_strain += alpha * own_strain;
+    const Points own_displacement = J / det * Eigen::Map<const Points>(own.data(), 2, own.size() / 2);
     share.kept_displacement = v * r.field_at_rule.transpose() + alpha * own_displacement;
   }
   share.strain = strained[0] + std::abs(alpha) * strained[1];
-  if (free.cols() > 0) {
+  if (free.cols() > 0)
     share.above = moved_by_eigenstrain(material, shape, strain().rest[column(t)], strain().error[column(t)],
                                        {share.elastic, share.strain, share.stress, share.force});
-  }
-  const double square = zz + alpha * (2 * zw + alpha * ww);
-  share.rough = std::sqrt(std::max(0.0, square));
-  share.size += size;
-  share.divergence = c == 0 ? worst[0] : 0;
+  share.rough = rough.at(alpha);
+  share.divergence = material.c == 0 ? worst[0] : 0;
   share.gradient = worst[1];
 }
 

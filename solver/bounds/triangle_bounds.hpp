@@ -41,6 +41,14 @@ struct CellFields {
   Eigen::Ref<const Eigen::VectorXd> statics, interior, nodal;
 };
 
+/// J(v + alpha w) = e + alpha b + alpha^2 a.
+struct Parabola {
+  double e = 0, b = 0, a = 0;
+  double at(double alpha) const {
+    return e + alpha * (b + alpha * a);
+  }
+};
+
 struct Bounding {
   const Model& m;
   const Forces& f;
@@ -92,7 +100,16 @@ struct Bounding {
   Points load_on(const CurvedReference& r, Index t) const;
   /// The trace of A s, in isotropic bodies 2 c tr s, and that of the eigenstrain.
   Eigen::RowVectorXd wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const;
-  /// Energy of the conforming displacement with its divergence moved towards that of the stress.
+  /// The conforming displacement v at the nodes of fields, on held edges with the bubbles of what is prescribed there.
+  Points conforming_values(const TriangleReference& r, const CellFields& at, const std::vector<Index>& edges) const;
+  /// The work of body forces and loads, off the energy; how large that and its parts are. `own`: the correction at the
+  /// rule.
+  double add_works(const TriangleReference& r, Index t, const std::vector<Index>& edges, const Points& v,
+                   const Eigen::VectorXd& own, Parabola& along, Share& share) const;
+  void upper_curved(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
+                    const Points& v, Share& share) const;
+  /// The least energy of v + alpha w over alpha, w a field that vanishes on the boundary of the triangle and whose
+  /// divergence is what that of v lacks of that of the stress.
   void upper(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
              Share& share) const;
 };

@@ -1,9 +1,9 @@
 #include "solver/bounds/work_of_data.hpp"
 
+#include "base/quadrature.hpp"
 #include "solver/data/near_tip.hpp"
 #include "solver/data/refined.hpp"
 #include "solver/left_out.hpp"
-#include "solver/quadrature.hpp"
 
 #include <algorithm>
 #include <array>

@@ -41,9 +41,8 @@ class Sum final : public Enclosure {
     const auto a = a_->over(x, y), b = b_->over(x, y);
     return {plus(a[0], b[0]), plus(a[1], b[1])};
   }
-  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval&, const Interval&,
-                                  int degree) const override {
-    const auto a = a_->remainder(x, y, {}, {}, degree), b = b_->remainder(x, y, {}, {}, degree);
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, int degree) const override {
+    const auto a = a_->remainder(x, y, degree), b = b_->remainder(x, y, degree);
     return {std::nextafter(a[0] + b[0], infinity), std::nextafter(a[1] + b[1], infinity)};
   }
   int degree() const override {
@@ -72,9 +71,8 @@ class Scaled final : public Enclosure {
     const auto a = a_->over(x, y);
     return {times(a[0]), times(a[1])};
   }
-  std::array<double, 2> remainder(const Interval& x, const Interval& y, const Interval&, const Interval&,
-                                  int degree) const override {
-    auto a = a_->remainder(x, y, {}, {}, degree);
+  std::array<double, 2> remainder(const Interval& x, const Interval& y, int degree) const override {
+    auto a = a_->remainder(x, y, degree);
     for (double& bound : a) bound = std::nextafter(std::abs(factor_) * bound, infinity);
     return a;
   }
@@ -106,8 +104,7 @@ class Linear final : public Enclosure {
   std::array<Interval, 2> over(const Interval& x, const Interval& y) const override {
     return around({Vec2(x.low, y.low), Vec2(x.high, y.low), Vec2(x.low, y.high), Vec2(x.high, y.high)});
   }
-  std::array<double, 2> remainder(const Interval&, const Interval&, const Interval&, const Interval&,
-                                  int degree) const override {
+  std::array<double, 2> remainder(const Interval&, const Interval&, int degree) const override {
     return degree > 0 ? std::array{0.0, 0.0} : std::array{infinity, infinity};
   }
   int degree() const override {

@@ -1,7 +1,7 @@
 #pragma once
 // Rules for powers that are singular at an end.
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 
 namespace kerf {
 

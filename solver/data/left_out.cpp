@@ -17,7 +17,7 @@ LeftOut left_by_polynomial(const Enclosure& f, const Interval& x, const Interval
   for (const int degree : {4, 7}) {  // the lower one is twice as fast
     const double now = left.of.maxCoeff();
     if (now <= enough || (degree == 7 && now > gain * useless)) break;
-    const std::array<double, 2> rest = f.remainder(x, y, {}, {}, degree);
+    const std::array<double, 2> rest = f.remainder(x, y, degree);
     left.of = left.of.cwiseMin(Vec2(2 * rest[0], 2 * rest[1]));
     left.rough = !(std::isfinite(rest[0]) && std::isfinite(rest[1]));
   }

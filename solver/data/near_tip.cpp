@@ -8,10 +8,10 @@
 
 #include "solver/data/near_tip.hpp"
 
+#include "base/quadrature.hpp"
 #include "solver/data/jacobi.hpp"
 #include "solver/data/refined.hpp"
 #include "solver/left_out.hpp"
-#include "solver/quadrature.hpp"
 
 #include <cmath>
 #include <optional>

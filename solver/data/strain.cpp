@@ -9,9 +9,9 @@
 #include "solver/data/all_triangles.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 #include "solver/element/local.hpp"
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 
 #include <algorithm>
 #include <map>

@@ -14,9 +14,9 @@
 #include "solver/left_out.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 #include "solver/element/local.hpp"
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 // Coordinates of one triangle and what its spaces are spanned by: monomials, and curls of bubbles.
 
+#include "base/polynomial.hpp"
 #include "solver/element/local.hpp"
 #include "solver/element/number.hpp"
-#include "solver/polynomial.hpp"
 
 #include <algorithm>
 

@@ -11,7 +11,7 @@
 #include "solver/element/shared_shape.hpp"
 
 #include "base/dense.hpp"
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>

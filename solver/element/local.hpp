@@ -2,11 +2,11 @@
 // One triangle: the dense stationary system of the element, its condensation onto the edges, and the way back. The only
 // place where unknowns are eliminated.
 
+#include "base/quadrature.hpp"
 #include "kerf/scene.hpp"
 #include "kerf/state.hpp"
 #include "solver/element/bow.hpp"
 #include "solver/element/spaces.hpp"
-#include "solver/quadrature.hpp"
 
 #include <array>
 #include <span>

@@ -1,8 +1,8 @@
 #pragma once
 // Dimensions of an element's spaces: what its row of the table implies.
 
+#include "base/polynomial.hpp"
 #include "kerf/element.hpp"
-#include "solver/polynomial.hpp"
 
 #include <algorithm>
 

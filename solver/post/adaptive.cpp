@@ -7,9 +7,9 @@
 
 #include "solver/system.hpp"
 
+#include "base/stopwatch.hpp"
 #include "solver/lone_cracks.hpp"
 #include "solver/saddle_point.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
 
@@ -44,10 +44,6 @@ Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, int divisions) {
 
 State solved(const Model& model, const Adaptation& how) {
   return how.saddle_point ? solve_saddle_point(model) : solve(model, how.contact);
-}
-
-bool may_touch(const Model& m, Index crack) {
-  return m.scene.laws[crack].kind == CrackLaw::Kind::Unilateral;
 }
 
 // Between two neighboring points of a crack of which one is open, slips or sticks and the other does something else.
@@ -86,7 +82,7 @@ void add_ends(const Model& m, const Field& s, Index crack, std::vector<End>& end
 std::vector<End> ends_of(const Model& m, const Field& s) {
   std::vector<End> ends;
   for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c)
-    if (may_touch(m, c)) add_ends(m, s, c, ends);
+    if (is_unilateral(m.scene.laws[c])) add_ends(m, s, c, ends);
   constexpr std::size_t most = 32;
   std::stable_sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.run > b.run; });
   if (ends.size() > most) ends.resize(most);
@@ -105,17 +101,12 @@ class Grading {
   Grading(const Shape& shape, const Element& e, const Scene& scene, const Adaptation& how)
       : shape_(shape), element_(e), scene_(scene), how_(how) {}
 
-  bool has_contact() const {
-    return std::any_of(scene_.laws.begin(), scene_.laws.end(),
-                       [](const CrackLaw& law) { return law.kind == CrackLaw::Kind::Unilateral; });
-  }
-
   /// Until the ends lie in the fine part of their mesh, or `most` solutions. `told`: of each mesh.
   Adapted solve(Sizing sizing, int most, bool told) {
     if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
     while (true) {
       Adapted a = once(sizing, told);
-      if (!has_contact() || --most == 0) return a;
+      if (!has_contact(scene_) || --most == 0) return a;
       const std::vector<End> ends = ends_of(a.model, a.state);
       if (how_.given) {  // what meshes of the same body, for bars and validation, are to be graded at
         a.sizing.ends = places_of_ends(ends);
@@ -151,7 +142,7 @@ class Grading {
     Sizing sizing = wanted;
     sizing.size = extent(shape_) / coarse;
     const double size = wanted.size > 0 ? wanted.size : extent(shape_) / 40;
-    if (!has_contact() || how_.given || sizing.size < cheaper * size) return {};
+    if (!has_contact(scene_) || how_.given || sizing.size < cheaper * size) return {};
     const Adapted a = solve(sizing, 4, false);
     return contact_ends(a.model, a.state);
   }
@@ -198,7 +189,7 @@ class Grading {
   Index rows_in_contact(const Mesh& mesh) const {
     Index rows = 0;
     for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
-      if (scene_.laws[c].kind == CrackLaw::Kind::Unilateral)
+      if (is_unilateral(scene_.laws[c]))
         rows += static_cast<Index>(mesh.cracks[c].size()) * points_per_edge(element_) *
                 (has_friction(scene_.laws[c]) ? 2 : 1);
     return rows;
@@ -332,9 +323,9 @@ Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e,
   Grading grading(shape, e, scene, how);
   Sizing sizing = wanted;
   if (sizing.ends.empty()) sizing.ends = grading.guess(sizing);
-  Adapted a = how.divisions == 0      ? grading.solve(std::move(sizing), 3, true)
-              : grading.has_contact() ? grading.divided(grading.solve(std::move(sizing), 3, false))
-                                      : grading.divided(grading.meshed(std::move(sizing)));
+  Adapted a = how.divisions == 0   ? grading.solve(std::move(sizing), 3, true)
+              : has_contact(scene) ? grading.divided(grading.solve(std::move(sizing), 3, false))
+                                   : grading.divided(grading.meshed(std::move(sizing)));
   a.rounds = std::move(grading.rounds);
   if (!how.estimate) return a;
   Stopwatch watch;

@@ -1,7 +1,7 @@
 #include "solver/post/calibrate.hpp"
 
+#include "base/parallel.hpp"
 #include "solver/anisotropic.hpp"
-#include "solver/parallel.hpp"
 #include "solver/recover_stress.hpp"
 #include "solver/system.hpp"
 

@@ -5,9 +5,9 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 #include "kerf/recover.hpp"
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 
 #include <Eigen/LU>
 

@@ -15,9 +15,9 @@
 
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/recover.hpp"
 #include "solver/data/near_tip.hpp"
-#include "solver/parallel.hpp"
 #include "solver/post/crack_tip.hpp"
 #include "solver/post/orthotropic_tip.hpp"
 #include "solver/post/polynomial_state.hpp"
@@ -349,7 +349,7 @@ std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
 /// presses there, or what does is on the mesh.
 bool mend_pressure_at_tip(const CrackLaw& law, bool apart, std::vector<Face>& faces) {
   const bool wedged = std::ranges::any_of(faces[0].points, [](const CrackPoint& p) { return p.gap < 0; });
-  if (law.kind != CrackLaw::Kind::Unilateral || wedged || apart) return false;
+  if (!is_unilateral(law) || wedged || apart) return false;
   const bool open = std::ranges::all_of(faces[0].points, [](const CrackPoint& p) { return !(p.sigma_n < 0); });
   double pressure = 0, length = 0;
   if (faces.size() > 1 && !open)
@@ -697,7 +697,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   const double modulus = plane_modulus(disc.material);
   const Vec2 at_tip(along_face(behind[0], 0, &CrackPoint::sigma_t),
                     along_face(behind[0], 0, &CrackPoint::sigma_n) - fluid_pressure(behind[0], 0));
-  const bool contact = law.kind == CrackLaw::Kind::Unilateral;
+  const bool contact = is_unilateral(law);
   const Integrals pressed = presses ? work_of_pressure_at_tip(disc, behind[0]) : Integrals(Integrals::Zero());
   const auto [K, T, G] = factors(disc, I, pressed, at_tip, contact ? -std::sqrt(pi / 8) * to_close : -infinity);
   result.K_I = K(0, middle);

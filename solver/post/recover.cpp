@@ -4,8 +4,8 @@
 
 #include "solver/system.hpp"
 
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -419,7 +419,7 @@ void read_jump(const Model& model, const Field& field, Index edge, int g, CrackP
   p.jump_n = field.skeleton[unknown];
   if (has_gap(model.scene.laws[model.mesh.crack[edge]])) p.gap = -model.inner->skeleton.prescribed[unknown];
   p.jump_t = -field.skeleton[unknown + 1];
-  if (model.scene.laws[model.mesh.crack[edge]].kind != CrackLaw::Kind::Unilateral) return;
+  if (!is_unilateral(model.scene.laws[model.mesh.crack[edge]])) return;
   p.sigma_n -= field.force[unknown] / p.length;
   p.sigma_t = field.force[unknown + 1] / p.length;
 }

@@ -5,10 +5,10 @@
 #include "geometry/plane.hpp"
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
+#include "base/polynomial.hpp"
 #include "kerf/recover.hpp"
 #include "solver/element/pack_kernels.hpp"
-#include "solver/parallel.hpp"
-#include "solver/polynomial.hpp"
 #include "solver/stress.hpp"
 #include "solver/system/lists.hpp"
 

@@ -50,7 +50,7 @@ double slip_error(const CrackTip& tip, const CrackLaw& law, std::span<const Crac
   // Measured on exact stick-slip cracks: the sums below times 5 and 2 miss no error, and fall to a few 1e-4 of K_II on
   // mirrored meshes.
   constexpr double safety = 5, for_open = 2, mostly = 0.1;
-  if (law.kind != CrackLaw::Kind::Unilateral || !(law.friction > 0)) return 0;
+  if (!is_unilateral(law) || !(law.friction > 0)) return 0;
   const std::vector<Stretch> all = from_tip(tip, profile);
   for (; length > tip.vertices[1].norm(); length /= 2) {
     std::size_t count = 0;

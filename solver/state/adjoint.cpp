@@ -11,8 +11,8 @@
 #include "kerf/adjoint.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
 #include "kerf/recover.hpp"
-#include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/half_solved.hpp"
@@ -347,7 +347,7 @@ std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
   const Index leading = m.inner->ordering.size - m.inner->ordering.contact_rows;
   for (std::size_t crack = 0; crack < m.mesh.cracks.size(); ++crack) {
-    if (m.scene.laws[crack].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[crack])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, state, static_cast<Index>(crack));
     std::size_t point = 0;
     for (const CrackEdge& c : m.mesh.cracks[crack]) {

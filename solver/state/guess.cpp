@@ -70,7 +70,7 @@ double end_of_contact(const FacePoint& before, const FacePoint& last, const Face
 ContactGuess contact_guess(const Model& m, const Field& state) {
   ContactGuess guess(m.mesh.cracks.size());
   for (Index c = 0; c < static_cast<Index>(guess.size()); ++c) {
-    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[c])) continue;
     const std::vector<FacePoint> all = face_points(m, state, c);
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (i > 0 && alike(all[i].does, all[i - 1].does)) continue;

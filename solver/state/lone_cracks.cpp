@@ -70,7 +70,7 @@ Station station(const std::vector<Vec2>& path, double share) {
 }
 
 bool is_plain(const CrackLaw& law) {
-  return law.kind == CrackLaw::Kind::Unilateral && !has_friction(law) && !has_gap(law) && !has_pressure(law);
+  return is_unilateral(law) && !has_friction(law) && !has_gap(law) && !has_pressure(law);
 }
 
 }  // namespace

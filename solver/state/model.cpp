@@ -10,10 +10,10 @@
 
 #include "kerf/model.hpp"
 
+#include "base/kept_memory.hpp"
 #include "geometry/adapt.hpp"
 #include "geometry/topology.hpp"
 #include "solver/history.hpp"
-#include "solver/kept_memory.hpp"
 #include "solver/moved.hpp"
 #include "solver/spread.hpp"
 #include "solver/state/guess.hpp"
@@ -23,8 +23,8 @@
 #include "solver/system/parted.hpp"
 #include "solver/system/rounded.hpp"
 
-#include "solver/parallel.hpp"
-#include "solver/stopwatch.hpp"
+#include "base/parallel.hpp"
+#include "base/stopwatch.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/LU>
@@ -129,7 +129,7 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
   Vec2 at = Vec2::Zero();
   Index edges = 0;
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
-    if (scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+    if (is_unilateral(scene.laws[c]))
       for (const CrackEdge& crack_edge : mesh.cracks[c]) {
         const double size = length(mesh, crack_edge.edge);
         const auto& [a, b] = mesh.edges[crack_edge.edge];

@@ -6,18 +6,10 @@
 
 namespace kerf {
 
-namespace {
-
-bool may_touch(const CrackLaw& law) {
-  return law.kind == CrackLaw::Kind::Unilateral;
-}
-
-}  // namespace
-
 bool open_everywhere(const Model& m, const State& s) {
   bool some = false;
   for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c) {
-    if (!may_touch(m.scene.laws[c])) continue;
+    if (!is_unilateral(m.scene.laws[c])) continue;
     some = true;
     for (const CrackPoint& p : crack_profile(m, s, c))
       if (p.status != CrackPoint::Status::Open) return false;
@@ -28,7 +20,7 @@ bool open_everywhere(const Model& m, const State& s) {
 Opened opened(const Model& m, int threads) {
   Scene scene = m.scene;
   for (CrackLaw& law : scene.laws)
-    if (may_touch(law)) law.kind = CrackLaw::Kind::Open;
+    if (is_unilateral(law)) law.kind = CrackLaw::Kind::Open;
   Opened o{prepare(m.mesh, m.element, std::move(scene), threads), {}};
   o.state = solve(o.model);
   return o;

@@ -14,12 +14,12 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
+#include "base/stopwatch.hpp"
 #include "kerf/recover.hpp"
 #include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
-#include "solver/parallel.hpp"
 #include "solver/state/solve.hpp"
-#include "solver/stopwatch.hpp"
 #include "solver/system/lu.hpp"
 
 #include <fmt/core.h>

@@ -8,8 +8,8 @@
 // and docs/theory/elements.md, section Solving in parts.
 
 #include "base/dense.hpp"
+#include "base/parallel.hpp"
 #include "solver/contact/gmres.hpp"
-#include "solver/parallel.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/shared_body.hpp"
 

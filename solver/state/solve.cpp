@@ -11,10 +11,10 @@
 
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
+#include "base/stopwatch.hpp"
 #include "solver/contact/law.hpp"
 #include "solver/element/spaces.hpp"
-#include "solver/parallel.hpp"
-#include "solver/stopwatch.hpp"
 
 #include <fmt/core.h>
 

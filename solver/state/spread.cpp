@@ -11,11 +11,12 @@
 #include "solver/state/shared_body.hpp"
 
 #include "base/dense.hpp"
+#include "base/kept_memory.hpp"
+#include "base/stopwatch.hpp"
 #include "solver/contact/law.hpp"
 #include "solver/factor.hpp"
 #include "solver/state/guess.hpp"
 #include "solver/state/solve.hpp"
-#include "solver/stopwatch.hpp"
 #include "solver/system/bddc.hpp"
 #include "solver/system/parted.hpp"
 #include "solver/system/penalty.hpp"

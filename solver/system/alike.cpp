@@ -8,7 +8,7 @@
 
 #include "solver/system/alike.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <algorithm>
 #include <bit>

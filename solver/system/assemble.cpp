@@ -10,7 +10,7 @@
 #include "solver/system/assemble.hpp"
 #include "solver/system/corner_loads.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 #include "solver/system/pattern.hpp"
 
 #include <algorithm>

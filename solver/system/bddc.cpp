@@ -12,9 +12,9 @@
 #include "solver/system/bddc.hpp"
 
 #include "base/dense.hpp"
+#include "base/packer.hpp"
+#include "base/stopwatch.hpp"
 #include "kerf/stop.hpp"
-#include "solver/packer.hpp"
-#include "solver/stopwatch.hpp"
 #include "solver/system/coarse.hpp"
 #include "solver/system/complement.hpp"
 #include "solver/system/gradients.hpp"

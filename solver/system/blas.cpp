@@ -3,7 +3,7 @@
 
 #include "solver/system/blas.hpp"
 
-#include "geometry/address_space.hpp"
+#include "base/address_space.hpp"
 
 #include <dlfcn.h>
 

@@ -3,7 +3,7 @@
 
 #include "solver/system/coarse.hpp"
 
-#include "solver/packer.hpp"
+#include "base/packer.hpp"
 #include "solver/system/lost_definiteness.hpp"
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 
 #include "solver/system/elementwise.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <cmath>
 

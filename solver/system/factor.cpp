@@ -9,8 +9,8 @@
 
 #include "solver/factor.hpp"
 
+#include "base/kept_memory.hpp"
 #include "kerf/stop.hpp"
-#include "solver/kept_memory.hpp"
 #include "solver/system/blas.hpp"
 #include "solver/system/lost_definiteness.hpp"
 #include "solver/system/multifrontal.hpp"
@@ -18,7 +18,6 @@
 
 #include <dlfcn.h>
 #include <fmt/core.h>
-#include <malloc.h>
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -37,12 +36,6 @@ void use_one_thread() {
   };
   set("omp_set_max_active_levels", 0);
   set("openblas_set_num_threads", 1);
-}
-
-void return_freed_memory() {
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)  // whose memory is none of the C library's
-  malloc_trim(0);
-#endif
 }
 
 struct Factor::Impl {

@@ -7,6 +7,7 @@
 
 #include "solver/system/inside.hpp"
 
+#include "base/kept_memory.hpp"
 #include "solver/factor.hpp"
 #include "solver/system/lost_definiteness.hpp"
 #include "solver/system/symbolic.hpp"

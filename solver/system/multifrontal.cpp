@@ -9,8 +9,8 @@
 
 #include "solver/system/multifrontal.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/stop.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system/front_kernels.hpp"
 #include "solver/system/spares.hpp"
 

@@ -10,9 +10,9 @@
 
 #include "solver/system/parted.hpp"
 
+#include "base/packer.hpp"
 #include "geometry/topology.hpp"
 #include "kerf/stop.hpp"
-#include "solver/packer.hpp"
 #include "solver/system/lists.hpp"
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 
 #include "solver/system/penalty.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -370,7 +370,7 @@ Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const
   for (Index e = 0; e < edges; ++e) {
     if (s.jump[e] == none) continue;
     const CrackLaw& law = scene.laws[mesh.crack[e]];
-    const bool unilateral = law.kind == CrackLaw::Kind::Unilateral, rough = has_friction(law);
+    const bool unilateral = is_unilateral(law), rough = has_friction(law);
     for (int i = 0; i < s.per_edge; ++i) {
       const Index unknown = s.jump[e] + i;
       s.fixed[unknown] = law.kind == CrackLaw::Kind::Bonded;

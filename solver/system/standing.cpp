@@ -10,9 +10,9 @@
 #include "solver/system/standing.hpp"
 
 #include "base/dense.hpp"
+#include "base/nonnegative.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
-#include "solver/nonnegative.hpp"
 
 #include <fmt/core.h>
 
@@ -103,7 +103,7 @@ struct FaceUnknowns {
 FaceUnknowns face_unknowns(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
   FaceUnknowns f;
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c) {
-    if (scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(scene.laws[c])) continue;
     for (const CrackEdge& edge : mesh.cracks[c])
       for (int i = 0; i < s.per_edge; ++i) {
         const Index u = s.jump[edge.edge] + i;

@@ -5,8 +5,8 @@
 // by side with the same bits. Fronts above are cut into strips of rows (up) and columns (down). Backwards some fronts
 // may be left out, where few rows of the solution are wanted. Derived in docs/theory/elements.md, section The factor.
 
+#include "base/parallel.hpp"
 #include "kerf/stop.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system/multifrontal.hpp"
 #include "solver/system/spares.hpp"
 

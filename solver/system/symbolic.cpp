@@ -8,9 +8,9 @@
 
 #include "solver/system/symbolic.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/stop.hpp"
 #include "solver/factor.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system/blas.hpp"
 #include "solver/system/generator.hpp"
 

@@ -1,7 +1,7 @@
 // Bodies of textbooks by defaults alone: the largest stress, K and displacements, and whether their margins hold the
 // truth.
 
-#include "app/margins.hpp"
+#include "app/run/margins.hpp"
 #include "app/run.hpp"
 
 #include "kerf/mesher.hpp"

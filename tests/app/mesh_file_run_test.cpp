@@ -1,6 +1,6 @@
 // Every job on a mesh that gmsh wrote, and what it leaves for other programs.
 
-#include "app/mesh.hpp"
+#include "app/command/mesh.hpp"
 #include "app/run.hpp"
 #include "io/mesh_source.hpp"
 #include "kerf/adaptive.hpp"

@@ -1,6 +1,6 @@
 // Limits that hold while a run goes on. That a run ends when it is asked to is tested elsewhere.
 
-#include "app/watchdog.hpp"
+#include "app/command/watchdog.hpp"
 
 #include "kerf/stop.hpp"
 #include "tests/support/running.hpp"

@@ -1,4 +1,4 @@
-#include "app/writer.hpp"
+#include "app/write/writer.hpp"
 
 #include "kerf/types.hpp"
 

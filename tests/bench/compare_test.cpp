@@ -1,6 +1,6 @@
 // Times to an error, read off sequences of runs.
 
-#include "bench/compare.hpp"
+#include "bench/measure/compare.hpp"
 
 #include "kerf/types.hpp"
 

@@ -1,6 +1,6 @@
 // `kerf bench contact` as a whole, on tiny bodies.
 
-#include "bench/contact.hpp"
+#include "bench/measure/contact.hpp"
 
 #include <gtest/gtest.h>
 

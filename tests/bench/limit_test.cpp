@@ -1,6 +1,6 @@
 // `kerf bench limit`: that its numbers are what they say; not how fast anything is.
 
-#include "bench/limit.hpp"
+#include "bench/measure/limit.hpp"
 #include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // `kerf bench map` as a whole, on tiny meshes, and what it measures.
 
-#include "bench/map.hpp"
+#include "bench/measure/map.hpp"
 
-#include "bench/records.hpp"
+#include "bench/command/records.hpp"
 #include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // `kerf bench optimize`: the judge of designs, other programs' designs, and a run as a whole on coarse meshes.
 
-#include "bench/optimize.hpp"
+#include "bench/optimize/optimize.hpp"
 
-#include "bench/optimize_peers.hpp"
-#include "bench/records.hpp"
+#include "bench/command/records.hpp"
+#include "bench/optimize/optimize_peers.hpp"
 #include "optimize/refuse.hpp"
 #include "tests/support/folder.hpp"
 

@@ -1,6 +1,6 @@
 // The problems are those of the peers' scripts: their fields and errors against numbers that FreeFem++ printed.
 
-#include "bench/problem.hpp"
+#include "bench/measure/problem.hpp"
 
 #include "tests/support/integral.hpp"
 

@@ -1,6 +1,6 @@
 // `kerf bench proof` as a whole, on coarse meshes.
 
-#include "bench/proof.hpp"
+#include "bench/measure/proof.hpp"
 #include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>

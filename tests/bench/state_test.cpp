@@ -1,6 +1,6 @@
 // `kerf bench state` as a whole, on tiny meshes, and the lines of other programs.
 
-#include "bench/records.hpp"
+#include "bench/command/records.hpp"
 #include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 #include "kerf/bounds.hpp"
 
+#include "base/polynomial.hpp"
 #include "solver/bounds/conforming.hpp"
 #include "solver/bounds/right_inverse.hpp"
-#include "solver/polynomial.hpp"
 #include "tests/support/exact.hpp"
 
 #include <fmt/core.h>

@@ -1,10 +1,10 @@
+#include "base/quadrature.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/fracture.hpp"
 #include "solver/bounds/dual.hpp"
 #include "solver/bounds/faces.hpp"
 #include "solver/bounds/load_steps.hpp"
 #include "solver/data.hpp"
-#include "solver/quadrature.hpp"
 #include "tests/solver/exact_crack.hpp"
 #include "tests/support/exact.hpp"
 

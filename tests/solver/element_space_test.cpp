@@ -1,7 +1,7 @@
 // Every element on one triangle of any shape, size and place: dimension, traces, unisolvence, what the condensed
 // matrix does not see, mapping, linear fields.
 
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 #include "solver/system.hpp"
 #include "tests/solver/scenes.hpp"
 

@@ -1,7 +1,7 @@
 // The fields of exact_families.hpp against their tables, against the equations, and against closed forms.
 
 #include "tests/support/exact_families.hpp"
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 #include "tests/solver/equations.hpp"
 #include "tests/support/exact.hpp"
 

@@ -1,7 +1,7 @@
 // The exact fields against their tables, against the equations, and against the numbers of elements.json.
 
 #include "tests/support/exact.hpp"
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 #include "tests/solver/equations.hpp"
 
 #include <gtest/gtest.h>

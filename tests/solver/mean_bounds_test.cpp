@@ -1,9 +1,9 @@
 // Bounds of means: of stress and strain over discs and along lines, of displacements, of forces at supports, of works.
 
+#include "base/quadrature.hpp"
 #include "kerf/bounds.hpp"
 #include "solver/data.hpp"
 #include "solver/nucleus.hpp"
-#include "solver/quadrature.hpp"
 #include "tests/solver/exact_crack.hpp"
 #include "tests/support/exact.hpp"
 

@@ -1,5 +1,5 @@
 #include "solver/recover_stress.hpp"
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 #include "solver/system.hpp"
 
 #include "kerf/mesher.hpp"

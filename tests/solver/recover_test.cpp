@@ -1,5 +1,5 @@
 #include "kerf/recover.hpp"
-#include "solver/polynomial.hpp"
+#include "base/polynomial.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
 

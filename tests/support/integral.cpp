@@ -2,7 +2,7 @@
 #include "kerf/state.hpp"
 #include "solver/system.hpp"
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 
 #include <cmath>
 

@@ -2,8 +2,8 @@
 
 #include "tests/truth/scene.hpp"
 
+#include "base/quadrature.hpp"
 #include "kerf/adaptive.hpp"
-#include "solver/quadrature.hpp"
 #include "solver/system.hpp"
 
 #include <cmath>

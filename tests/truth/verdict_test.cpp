@@ -6,7 +6,7 @@
 #include "tests/truth/random_scene.hpp"
 #include "tests/truth/scene.hpp"
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 #include "solver/system.hpp"
 
 #include <cmath>

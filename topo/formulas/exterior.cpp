@@ -1,6 +1,6 @@
 #include "topo/formulas/exterior.hpp"
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 #include "topo/formulas/parts.hpp"
 
 #include <algorithm>

@@ -55,7 +55,7 @@ double along(const Model& m, const Sensitivity& d, const Field& s) {
 double length_of(const Model& m, const Field& s) {
   double length = 0;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
-    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[c])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, s, static_cast<Index>(c));
     const std::vector<CrackEdge>& path = m.mesh.cracks[c];
     const std::size_t each = path.empty() ? 1 : profile.size() / path.size();
@@ -325,6 +325,25 @@ WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, Measure
           .measured = std::move(measured)};
 }
 
+namespace {
+
+/// The energy of the body that is held as measured, less that of the body under its loads; a takes its model and state.
+double misfit(const Term& term, const Model& model, const Field& state, const WholeBody& body, Analysis& a) {
+  if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
+  auto [other, solved] = body.measured(*term.measured);
+  if (!certified(*solved))
+    throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
+  const double value =
+      potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
+  a.energy_share -= term.factor;
+  a.measured_share += term.factor;
+  a.measured_model = std::move(other);
+  a.measured = std::move(solved);
+  return value;
+}
+
+}  // namespace
+
 Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only) {
   Analysis a{.model = &model, .state = &state};
   require_known_loads(j, model);
@@ -335,25 +354,14 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
   };
   const bool friction = has_frictional_cracks(model.scene);
   if (friction && !value_only) require_friction_decided(j, model, state, body);
-  if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
-                  [](const CrackLaw& l) { return l.kind == CrackLaw::Kind::Unilateral; }))
-    a.biactive_length = summed(length_of(model, state));
+  if (has_contact(model.scene)) a.biactive_length = summed(length_of(model, state));
   const bool self_adjoint_work = summed(has_self_adjoint_work(model) ? 0 : 1) == 0;
   for (const Term& term : j.terms) {
     const bool differentiates = !value_only && !term.measured && !term.energy && !(term.work && self_adjoint_work);
     double value = 0;
     Sensitivity by_state;
     if (term.measured) {
-      if (a.measured) throw Error(Fault::Usage, "a sum may hold one misfit only");
-      auto [other, solved] = body.measured(*term.measured);
-      if (!certified(*solved))
-        throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
-      value =
-          potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
-      a.energy_share -= term.factor;
-      a.measured_share += term.factor;
-      a.measured_model = std::move(other);
-      a.measured = std::move(solved);
+      value = misfit(term, model, state, body, a);
     } else if (differentiates) {
       Differentiated both = differentiated(term, model, state);
       value = both.value;

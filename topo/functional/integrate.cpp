@@ -4,9 +4,9 @@
 #include "solver/system.hpp"
 #include "topo/functional/places.hpp"
 
+#include "base/parallel.hpp"
 #include "geometry/plane.hpp"
 #include "kerf/recover.hpp"
-#include "solver/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>

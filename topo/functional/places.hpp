@@ -2,9 +2,9 @@
 // Where the integrals of a term look: at the points of one rule per triangle and edge, and of more where weights,
 // targets and directions vary within it.
 
+#include "base/quadrature.hpp"
 #include "kerf/functional.hpp"
 #include "kerf/model.hpp"
-#include "solver/quadrature.hpp"
 #include "topo/analysis.hpp"
 
 #include <memory>

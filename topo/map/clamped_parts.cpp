@@ -1,6 +1,6 @@
 #include "topo/clamped_parts.hpp"
 
-#include "solver/packer.hpp"
+#include "base/packer.hpp"
 #include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green_of_body.hpp"

@@ -4,9 +4,9 @@
 
 #include "topo/map/fields.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/map.hpp"
 #include "kerf/recover.hpp"
-#include "solver/parallel.hpp"
 #include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/map/green_of_body.hpp"
@@ -33,7 +33,7 @@ TangentCone cone_of(const Model& m, const Field& s) {
     refuse("its Green tensor is known in one material only; leave out the regions, or use a free hole");
   double length = 0, open = 0;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
-    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[c])) continue;
     for (const CrackPoint& p : crack_profile(m, s, static_cast<Index>(c))) {
       length += p.length;
       if (p.status == CrackPoint::Status::Biactive) open += p.length;
@@ -62,7 +62,7 @@ bool has_coulomb(const Scene& scene) {
 
 // The opening or the pressure of a crack whose faces may close and part.
 bool sees_contact(const Model& m, const Term& t) {
-  return t.on_crack && m.scene.laws[static_cast<std::size_t>(t.crack)].kind == CrackLaw::Kind::Unilateral;
+  return t.on_crack && is_unilateral(m.scene.laws[static_cast<std::size_t>(t.crack)]);
 }
 
 // The share of a crack where a clamp that takes the displacement u away by the force F, with contact as it was, lets

@@ -3,8 +3,8 @@
 
 #include "topo/map/jumps.hpp"
 
+#include "base/parallel.hpp"
 #include "solver/data.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system.hpp"
 
 #include <algorithm>

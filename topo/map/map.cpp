@@ -2,9 +2,9 @@
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
+#include "base/parallel.hpp"
 #include "kerf/mesher.hpp"
 #include "solver/error_bars.hpp"
-#include "solver/parallel.hpp"
 #include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"

@@ -3,8 +3,8 @@
 #include "topo/map/jumps.hpp"
 #include "topo/near.hpp"
 
+#include "base/parallel.hpp"
 #include "geometry/plane.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "topo/responses.hpp"
 #include "solver/system.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 #include "solver/tangent_cone.hpp"
 #include "topo/analysis.hpp"
 #include "topo/functional/integrate.hpp"

@@ -18,7 +18,7 @@ namespace {
 // square of that.
 bool has_contact_end(const Model& m, const Field& s) {
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {
-    if (m.scene.laws[c].kind != CrackLaw::Kind::Unilateral) continue;
+    if (!is_unilateral(m.scene.laws[c])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, s, static_cast<Index>(c));
     const auto closed = [](const CrackPoint& p) { return p.status == CrackPoint::Status::Closed; };
     if (std::ranges::any_of(profile, closed) && !std::ranges::all_of(profile, closed)) return true;
@@ -29,7 +29,7 @@ bool has_contact_end(const Model& m, const Field& s) {
 bool has_biactive(const Analysis& a) {
   double length = 0;
   for (std::size_t c = 0; c < a.model->mesh.cracks.size(); ++c)
-    if (a.model->scene.laws[c].kind == CrackLaw::Kind::Unilateral)
+    if (is_unilateral(a.model->scene.laws[c]))
       for (const CrackPoint& p : crack_profile(*a.model, *a.state, static_cast<Index>(c))) length += p.length;
   constexpr double few = 0.01;
   return a.biactive_length > few * length;

@@ -1,6 +1,6 @@
 #include "topo/map/second_map.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 #include "solver/system.hpp"
 #include "topo/map/green_samples.hpp"
 #include "topo/map/mask.hpp"
@@ -156,6 +156,48 @@ TaylorField reply_in(const Form& form, const Perturbation& p, const Material& m,
   return {.a1 = 0.5 * w[0], .a2 = 0, .a3 = 0, .b1 = {w[1], w[2]}, .b2 = 0};
 }
 
+/// The second term at one place, summed over pairs of fields. What two discs say of the derivatives of the stress
+/// differs by what the mesh leaves of them.
+class SecondAt {
+ public:
+  SecondAt(const Model& m, const Perturbation& p, const Place& at)
+      : p_(p),
+        x_(at.x),
+        material_(material_of(m.mesh, m.scene, at.in)),
+        fit_(m, at.x, at.in, radius_at(m, at)),
+        narrow_(m, at.x, at.in, radius_at(m, at) / narrower) {}
+  bool coarse() const {
+    return fit_.coarse();
+  }
+  void add(double factor, const Samples& from, const Field& state, const Field& other) {
+    const TaylorField s = fit_.of(state), t = fit_.of(other);
+    const Form form = from.at(x_);
+    const SecondForm of = factor * second_form(p_, material_, s, t, reply_in(form, p_, material_, s)),
+                     less = narrow_.coarse()
+                                ? SecondForm{}
+                                : factor * second_form(p_, material_, narrow_.of(state), narrow_.of(other), {});
+    sum_ = sum_ + of;
+    unsure_ +=
+        std::abs(of.mean_gradient - less.mean_gradient) + std::abs(of.deviator_gradient - less.deviator_gradient) +
+        std::abs(of.curvature - less.curvature) +
+        (from.left.empty() ? infinity : std::abs(factor) * reply_unsure(from.left_at(x_), form, p_, material_, s, t));
+  }
+  const SecondForm& sum() const {
+    return sum_;
+  }
+  double unsure() const {
+    return unsure_;
+  }
+
+ private:
+  const Perturbation& p_;
+  Vec2 x_;
+  const Material& material_;
+  TaylorFit fit_, narrow_;
+  SecondForm sum_;
+  double unsure_ = 0;
+};
+
 }  // namespace
 
 SecondMap second_everywhere(const Analysis& a, const Functional& j, const Perturbation& p, const Candidates& points) {
@@ -192,34 +234,14 @@ SecondMap second_everywhere(const Analysis& a, const Functional& j, const Pertur
     }
   parallel_for(static_cast<Index>(places.size()), m.threads, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      const Place& at = places[static_cast<std::size_t>(i)];
-      const double wide = radius_at(m, at);
-      const TaylorFit fit(m, at.x, at.in, wide), narrow(m, at.x, at.in, wide / narrower);
-      if (fit.coarse()) continue;
-      const bool both = !narrow.coarse();
-      const Material& material = material_of(m.mesh, m.scene, at.in);
-      SecondForm sum;
-      double unsure = 0;
-      // What two discs say of the derivatives of the stress differs by what the mesh leaves of them.
-      const auto add = [&](double factor, const Samples& from, const Field& state, const Field& other) {
-        const TaylorField s = fit.of(state), t = fit.of(other);
-        const Form form = from.at(at.x);
-        const SecondForm of = factor * second_form(p, material, s, t, reply_in(form, p, material, s)),
-                         less = both ? factor * second_form(p, material, narrow.of(state), narrow.of(other), {})
-                                     : SecondForm{};
-        sum = sum + of;
-        unsure += std::abs(of.mean_gradient - less.mean_gradient) +
-                  std::abs(of.deviator_gradient - less.deviator_gradient) + std::abs(of.curvature - less.curvature) +
-                  (from.left.empty() ? infinity
-                                     : std::abs(factor) * reply_unsure(from.left_at(at.x), form, p, material, s, t));
-      };
-      if (own) {
-        if (a.energy_share != 0) add(-0.5 * a.energy_share, *own, *a.state, *a.state);
-        if (a.adjoint) add(1, *own, *a.state, *a.adjoint);
-      }
-      if (measured) add(-0.5 * a.measured_share, *measured, *a.measured, *a.measured);
+      SecondAt second(m, p, places[static_cast<std::size_t>(i)]);
+      if (second.coarse()) continue;
+      if (own && a.energy_share != 0) second.add(-0.5 * a.energy_share, *own, *a.state, *a.state);
+      if (own && a.adjoint) second.add(1, *own, *a.state, *a.adjoint);
+      if (measured) second.add(-0.5 * a.measured_share, *measured, *a.measured, *a.measured);
       const auto k = static_cast<Eigen::Index>(wanted[static_cast<std::size_t>(i)]);
-      map.unsure[k] = unsure;
+      const SecondForm& sum = second.sum();
+      map.unsure[k] = second.unsure();
       map.parts[k] =
           std::abs(sum.mean_gradient) + std::abs(sum.deviator_gradient) + std::abs(sum.curvature) + std::abs(sum.reply);
       map.c2[k] = sum.value();

@@ -1,6 +1,6 @@
 #include "topo/map/taylor.hpp"
 
-#include "solver/quadrature.hpp"
+#include "base/quadrature.hpp"
 #include "solver/system.hpp"
 
 #include <algorithm>

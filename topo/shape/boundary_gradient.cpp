@@ -1,5 +1,5 @@
+#include "base/parallel.hpp"
 #include "kerf/shape_gradient.hpp"
-#include "solver/parallel.hpp"
 #include "solver/system.hpp"
 #include "topo/analysis.hpp"
 #include "topo/map/fields.hpp"

@@ -2,8 +2,8 @@
 #include "solver/system.hpp"
 
 #include "base/dense.hpp"
+#include "base/polynomial.hpp"
 #include "kerf/recover.hpp"
-#include "solver/polynomial.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/functional/places.hpp"
 

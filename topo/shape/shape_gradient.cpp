@@ -1,7 +1,7 @@
 #include "kerf/shape_gradient.hpp"
 #include "solver/system.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 #include "topo/analysis.hpp"
 #include "topo/orthotropic.hpp"
 #include "topo/shape/moving.hpp"

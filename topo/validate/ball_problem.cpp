@@ -1,7 +1,7 @@
 #include "topo/validate/ball_problem.hpp"
 
 #include "base/dense.hpp"
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 #include "solver/tangent_cone.hpp"
 #include "topo/validate/ball_fields.hpp"
 

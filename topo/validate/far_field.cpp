@@ -1,6 +1,6 @@
 #include "topo/validate/far_field.hpp"
 
-#include "solver/parallel.hpp"
+#include "base/parallel.hpp"
 
 namespace kerf {
 

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
@@ -68,6 +69,9 @@ TEST(Confine, ProgramsAreNotStartedAndOthersNotTouched) {
                          return int(child);
                        }),
               EPERM);
+    for (const long call : {long{SYS_chdir}, long{SYS_bpf}, long{SYS_io_uring_setup}, 999L})  // no system has 999
+      EXPECT_EQ(confined(what, [&] { return int(syscall(call, 0, 0, 0)); }), EPERM) << call << ": only listed calls";
+    EXPECT_EQ(confined(what, [] { return fcntl(1, F_SETOWN, getppid()); }), EPERM);
     // What a thread needs goes on.
     EXPECT_EQ(confined(what,
                        [] {

@@ -1,0 +1,437 @@
+// kerf: the commands and their arguments.
+
+#include "app/command/keys.hpp"
+#include "app/command/mesh.hpp"
+#include "app/command/report.hpp"
+#include "app/command/templates.hpp"
+#include "app/command/version.hpp"
+#include "app/command/watchdog.hpp"
+#include "app/command_line.hpp"
+#include "app/folder.hpp"
+#include "app/forecast.hpp"
+#include "app/parts/farm.hpp"
+#include "app/program.hpp"
+#include "app/progress.hpp"
+#include "app/ranks.hpp"
+#include "app/run.hpp"
+#include "app/run/optimize.hpp"
+#include "app/sweep.hpp"
+#include "io/files.hpp"
+#include "io/kept.hpp"
+#include "io/module.hpp"
+#include "io/untrusted.hpp"
+#include "io/words.hpp"
+#include "kerf/stop.hpp"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iostream>
+#include <thread>
+
+namespace kerf {
+
+namespace {
+
+struct Arguments {
+  std::string command, case_file, folder;
+  std::vector<std::string> overrides;
+  int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256);
+  int processes = 1;
+  bool quiet = false, force = false, resume = false;
+  std::string log_level;       // empty: info, or warn when quiet
+  std::string template_name;   // of init
+  std::string format = "4.1";  // of mesh
+  KeysRequest keys;
+  std::vector<CommandWords> commands;  // and their options
+  std::string line;                    // as it was typed
+  bool list = false, dry_run = false;
+  std::string max_memory;  // "12GB"
+  double max_seconds = 0;  // 0: any
+  bool untrusted = false;
+  std::vector<std::string> over;  // of sweep
+  int jobs = 0;                   // 0: one per core
+  int threads_of_run = 1;
+  std::string write;  // a script instead of runs
+  bool collect = false;
+};
+
+struct Command {
+  std::string name, description;
+};
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> all = {
+      {"run", "Every job that the case names: solve, map, validate, optimize, report"},
+      {"solve", "The state alone: displacement, stress, contact, stress intensities"},
+      {"map", "The state and the map of the topological derivative"},
+      {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
+      {"validate", "The state, and whether a map is right: holes of several radii are made and compared"},
+      {"optimize", "Nucleate, move and reshape holes until the design is best"},
+      {"sweep", "A case with many values of some of its keys, a table and a page of them all"},
+      {"report", "The page of a run, made again from the files in its folder"},
+      {"mesh", "The mesh alone, for gmsh or ParaView"},
+      {"keys", "What may stand in a case file: all keys, or one of them"},
+      {"init", "Write a commented case to begin from"},
+      {"bench", "Speed against error, with CSV, JSON and pictures"}};
+  return all;
+}
+
+void declare_untrusted(CommandOptions& sub, Arguments& arguments) {
+  sub.flag("--untrusted", arguments.untrusted,
+           "The case is a stranger's: files of its own folder alone, no script of gmsh, limits of 600 s and 4 GB");
+}
+
+void declare_limits(CommandOptions& sub, Arguments& arguments, const char* memory, const char* seconds) {
+  sub.words("--max-memory", arguments.max_memory, memory);
+  sub.number("--max-seconds", arguments.max_seconds, seconds, {1e-3, 1e9});
+}
+
+void declare_sweep(CommandOptions& sub, Arguments& arguments) {
+  sub.several("--over", arguments.over, "A key and its values: 'mesh.size=[0.1, 0.05]' (may be repeated)",
+              "KEY=[VALUES]", true);
+  sub.number("--jobs", arguments.jobs, "Runs at a time; default one per core", {1, 4096});
+  sub.number("--threads", arguments.threads_of_run, "Number of threads of each run; default 1", {1, 256});
+  sub.one_of("--write", arguments.write, "Write a script that makes the runs elsewhere, and run nothing",
+             {"snakemake", "slurm"});
+  declare_limits(sub, arguments, "Of each run, as 800MB or 12GB", "Of each run");
+  declare_untrusted(sub, arguments);
+  sub.flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
+  sub.flag("--quiet", arguments.quiet, "No summary and no progress");
+}
+
+void declare(CommandLine& line, Arguments& arguments) {
+  constexpr const char *end_memory = "End what needs more, as 800MB or 12GB", *end_seconds = "End what takes longer";
+  line.version(version_text);
+  for (const Command& command : commands()) {
+    CommandOptions sub = line.command(command.name, command.description,
+                                      [&arguments, name = command.name] { arguments.command = name; });
+    if (command.name == "keys") {
+      sub.words("NAME", arguments.keys.name, "Of a key or a table, such as mesh.size or hole; default all");
+      sub.flag("--markdown", arguments.keys.markdown, "Print the tables of keys in Markdown");
+      sub.flag("--schema", arguments.keys.schema, "Print a JSON Schema of case files, for editors");
+      sub.words("--completion", arguments.keys.completion, "Print a completion for a shell: bash");
+      sub.words("--write", arguments.keys.folder, "Make what is made from the keys anew in this folder (docs)");
+      continue;
+    }
+    if (command.name == "init") {
+      sub.words("NAME", arguments.template_name, "Which one; see --list");
+      sub.flag("--list", arguments.list, "Print the names and what they show; write nothing");
+      sub.words("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
+      sub.flag("--force", arguments.force, "Overwrite the file");
+      continue;
+    }
+    if (command.name == "report") {
+      sub.words("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>", true);
+      sub.flag("--quiet", arguments.quiet, "Do not say what was written");
+      declare_limits(sub, arguments, end_memory, end_seconds);
+      continue;
+    }
+    if (command.name == "bench") continue;  // a program of its own, which reads its arguments itself
+    sub.words("CASE", arguments.case_file, "The case file (TOML)", true);
+    if (command.name == "mesh") {
+      sub.words("-o,--output", arguments.folder, "The file to write: .msh or .vtu; default <case name>.msh");
+      sub.one_of("--format", arguments.format, "Of gmsh, for .msh; default 4.1", {"4.1", "2.2"});
+    } else {
+      sub.words("-o,--output", arguments.folder, "Folder for the results; default out/<case name>");
+    }
+    sub.several("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)",
+                "KEY=VALUE");
+    if (command.name == "sweep") {
+      declare_sweep(sub, arguments);
+      continue;
+    }
+    if (command.name == "run" || command.name == "optimize")
+      sub.flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
+    sub.number("--threads", arguments.threads, "Number of threads; default all cores", {1, 256});
+    if (command.name == "run" || command.name == "solve" || command.name == "map" || command.name == "optimize")
+      sub.number("--processes", arguments.processes,
+                 "Start so many by mpiexec, for solver.backend = \"petsc\" or optimize.starts; default 1", {1, 4096});
+    declare_untrusted(sub, arguments);
+    sub.flag("--quiet", arguments.quiet, "No summary and no progress");
+    sub.one_of("--log-level", arguments.log_level, "How much to log on stderr; default info", log_levels());
+    sub.flag("--force", arguments.force, "Overwrite results");
+    if (command.name == "check" || command.name == "mesh") {
+      declare_limits(sub, arguments, end_memory, end_seconds);
+      continue;
+    }
+    sub.flag("--dry-run", arguments.dry_run, "Say what it will take (triangles, memory, seconds); run nothing");
+    declare_limits(sub, arguments,
+                   "Refuse what would need more, as 800MB or 12GB, and end what does; default what there is",
+                   "Refuse what would take longer, and end what does");
+  }
+}
+
+/// In MB. Throws Error(Usage).
+std::optional<double> memory_limit(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const std::string_view unit(end, text.data() + text.size());
+  const double factor = unit == "GB" || unit == "G" ? 1000 : unit == "MB" || unit == "M" ? 1 : 0;
+  if (error != std::errc() || !(number > 0) || factor == 0)
+    throw Error(Fault::Usage,
+                fmt::format("--max-memory {}: write a number with its unit, such as 800MB or 12GB", quote(text)));
+  return number * factor;
+}
+
+/// For the command line of another kerf.
+std::vector<std::string> limits_as_given(const Arguments& arguments) {
+  std::vector<std::string> words;
+  if (!arguments.max_memory.empty()) words.insert(words.end(), {"--max-memory", arguments.max_memory});
+  if (arguments.max_seconds > 0) words.insert(words.end(), {"--max-seconds", fmt::format("{}", arguments.max_seconds)});
+  if (arguments.untrusted) words.emplace_back("--untrusted");
+  return words;
+}
+
+Allowed limits_of(const Arguments& arguments) {
+  constexpr double strangers_mb = 4000, strangers_seconds = 600;
+  Allowed limits{memory_limit(arguments.max_memory),
+                 arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
+  if (arguments.untrusted && !limits.memory_mb) limits.memory_mb = strangers_mb;
+  if (arguments.untrusted && !limits.seconds) limits.seconds = strangers_seconds;
+  return limits;
+}
+
+std::optional<Forecast> forecast_of(const Case& c, Job job, const Arguments& arguments) {
+  return forecast_where_needed(c, job, arguments.threads, limits_of(arguments), arguments.dry_run);
+}
+
+/// Nothing when help or the version was asked for and has been printed.
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  arguments.line = command_line(argc, argv);
+  CommandLine line("kerf: topological derivatives for plane elastic bodies with cracks in contact", "kerf", exit_codes);
+  declare(line, arguments);
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.push_back(command.name);
+  if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
+    throw Error(Fault::Usage, fmt::format("unknown command {}; {}", quote(argv[1]), suggest(argv[1], names)));
+  if (!line.parse(argc, argv)) return std::nullopt;
+  arguments.commands = line.commands();
+  if (arguments.command.empty()) {
+    std::cout << line.help();
+    throw Error(Fault::Usage, "a command is missing");
+  }
+  return arguments;
+}
+
+/// kerf-bench beside this program, or else on the PATH, in place of this process: same exit code. Returns only by
+/// throwing.
+[[noreturn]] void start_bench(char** arguments) {
+  for (const std::filesystem::path& bench : {find_beside("kerf-bench"), find_program("kerf-bench")})
+    if (!bench.empty()) execv(bench.c_str(), arguments);
+  throw Error(Fault::Files, "the benches are not installed: there is no program kerf-bench beside kerf or on the PATH");
+}
+
+int perform_init(const Arguments& arguments) {
+  std::vector<std::string> names;
+  std::string list;
+  for (const Template& t : templates()) {
+    names.push_back(t.name);
+    list += fmt::format("{:<10}{}\n", t.name, t.description);
+  }
+  if (arguments.list) {
+    print(list);
+    return 0;
+  }
+  if (arguments.template_name.empty())
+    throw Error(Fault::Usage, fmt::format("which template? {}; see kerf init --list", suggest("", names)));
+  require_known("template", arguments.template_name, names);
+  const std::filesystem::path path = arguments.folder.empty() ? arguments.template_name + ".toml" : arguments.folder;
+  if (std::filesystem::exists(std::filesystem::symlink_status(path)) && !arguments.force)
+    throw Error(Fault::Files, fmt::format("{} is there already; use --force to overwrite it", path.string()));
+  const Template& chosen = *std::find_if(templates().begin(), templates().end(),
+                                         [&](const Template& t) { return t.name == arguments.template_name; });
+  write_file(path, chosen.text);
+  const char* next = chosen.text.find("[optimize]") == std::string::npos ? "run" : "optimize";
+  print(fmt::format("wrote {}; next: kerf {} {}\n", path.string(), next, path.string()));
+  return 0;
+}
+
+int perform_mesh(const Arguments& arguments, const Case& c) {
+  const std::filesystem::path path = arguments.folder.empty() ? c.name + ".msh" : arguments.folder;
+  require_mesh_ending(path);
+  if (std::filesystem::exists(std::filesystem::symlink_status(path)) && !arguments.force)
+    throw Error(Fault::Files, fmt::format("{} is there already; use --force to overwrite it", path.string()));
+  const std::string said = write_mesh_of(c, path, arguments.format);
+  if (!arguments.quiet) print(said);
+  return 0;
+}
+
+int perform_report(const Arguments& arguments) {
+  const std::filesystem::path folder = arguments.folder;
+  if (!std::filesystem::is_directory(folder))
+    throw Error(Fault::Files, fmt::format("{} is no folder; give the folder of a run that has ended, such as "
+                                          "out/cracked_plate",
+                                          folder.string()));
+  FolderLock lock;
+  lock.take(folder);
+  write_report(folder);
+  if (!arguments.quiet) print(fmt::format("wrote {}\n", (folder / "report.html").string()));
+  return 0;
+}
+
+/// A signal ends it as it ends a run: the folder of the trials goes away.
+std::optional<Forecast> foretell(const Case& c, Job job, const Arguments& arguments) {
+  try {
+    return forecast_of(c, job, arguments);
+  } catch (...) {
+    if (stop_requested()) throw Error(Fault::Numerics, "stopped before it was known what the run takes");
+    throw;
+  }
+}
+
+int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
+  watchdog.allow_forecast();
+  const std::optional<Forecast> expected = foretell(c, job, arguments);
+  watchdog.end_forecast();
+  Progress progress(log_level(arguments.log_level, arguments.quiet));
+  if (expected && !expected->at_most) progress.expect(expected->seconds);
+  options.threads = arguments.threads;
+  options.in_single = expected && expected->single;
+  options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
+  const Result result = run(c, job, options);
+  progress.finish();
+  if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));
+  if (result.status != "ok") throw Error(Fault::Numerics, result.reason.value_or(result.status));
+  return 0;
+}
+
+/// The command that makes the table of this sweep again, in any folder.
+std::string collecting(const Arguments& arguments, const SweepPlan& plan) {
+  std::vector<std::string> words{"kerf",
+                                 "sweep",
+                                 std::filesystem::absolute(plan.case_file).string(),
+                                 "-o",
+                                 std::filesystem::absolute(plan.folder).string(),
+                                 "--collect"};
+  for (const std::string& one : arguments.overrides) words.insert(words.end(), {"--set", one});
+  for (const std::string& one : arguments.over) words.insert(words.end(), {"--over", one});
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  return command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+int perform_sweep(const Arguments& arguments) {
+  SweepPlan plan{.case_file = arguments.case_file, .folder = arguments.folder, .overrides = arguments.overrides};
+  if (plan.folder.empty()) plan.folder = std::filesystem::path("out") / (plan.case_file.stem().string() + "_sweep");
+  for (const std::string& one : arguments.over) plan.over.push_back(parse_swept(one));
+  plan = plan_sweep(std::move(plan));
+  keep_file(plan.case_file, overrides_of(plan, plan.runs[0]));  // a key that cannot be is said before anything is made
+  if (!arguments.write.empty()) {
+    print(write_sweep_script(plan, arguments.write, arguments.threads_of_run, collecting(arguments, plan)));
+    return 0;
+  }
+  std::error_code failed;
+  std::filesystem::create_directories(plan.folder, failed);
+  FolderLock lock;
+  lock.take(plan.folder);
+  catch_signals();
+  if (!arguments.collect)
+    run_sweep(plan, {.jobs = arguments.jobs > 0 ? arguments.jobs : arguments.threads,
+                     .threads = arguments.threads_of_run,
+                     .quiet = arguments.quiet,
+                     .limits = limits_as_given(arguments)});
+  const SweepSummary done = collect_sweep(plan);
+  if (!arguments.quiet) print(in_words(done, plan));
+  if (stop_requested()) throw Error(Fault::Numerics, "stopped; the same command goes on with what is left");
+  if (done.failed > 0 && !arguments.collect)
+    throw Error(Fault::Numerics, fmt::format("{} of {} runs failed", done.failed, plan.runs.size()));
+  return 0;
+}
+
+int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& processes) {
+  if (arguments.command == "init") return perform_init(arguments);
+  if (arguments.command == "report") return perform_report(arguments);
+  if (arguments.command == "keys") {
+    print(keys(arguments.keys, arguments.commands));
+    return 0;
+  }
+  if (arguments.untrusted) require_own_files(arguments.case_file, arguments.overrides);
+  if (arguments.command == "sweep" && started_processes() > 1)
+    throw Error(Fault::Usage, "kerf sweep starts its runs itself; start it without mpiexec");
+  if (arguments.command == "sweep") {
+    limits_of(arguments);  // what they mean is said before anything is made
+    return perform_sweep(arguments);
+  }
+  const Case c = read_case(arguments.case_file, arguments.overrides);
+  if (arguments.command == "mesh") return perform_mesh(arguments, c);
+  RunOptions options;
+  options.folder = std::filesystem::path(arguments.folder);
+  if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
+  if (arguments.command == "check") {
+    print(check(c, options.folder));
+    return 0;
+  }
+  options.command = arguments.line;
+  options.processes = &processes;
+  options.resume = arguments.resume;
+  if (options.resume && !c.optimize)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  const Job job = arguments.command == "solve"      ? Job::Solve
+                  : arguments.command == "map"      ? Job::Map
+                  : arguments.command == "validate" ? Job::Validate
+                  : arguments.command == "optimize" ? Job::Optimize
+                                                    : Job::Run;
+  if (arguments.dry_run) {
+    watchdog.allow_forecast();
+    catch_signals();
+    const Forecast f = *foretell(c, job, arguments);
+    print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
+    return 0;
+  }
+  if (options.resume) check_checkpoint(options.folder, c.fingerprint);
+  // Nothing to resume: a run like any other, which overwrites nothing.
+  const bool resume = options.resume;
+  options.resume = resume && has_checkpoint(options.folder);
+  FolderLock lock;
+  claim_folder(options.folder, arguments.force, resume, lock);
+  options.lock = &lock;
+  catch_signals();
+  return perform_jobs(arguments, c, job, options, watchdog);
+}
+
+/// Reading counts, too: gmsh may take long for a geometry.
+int perform(const Arguments& arguments, Processes& processes) {
+  Watchdog watchdog(arguments.command == "sweep" ? Allowed{} : limits_of(arguments));
+  try {
+    return perform_command(arguments, watchdog, processes);
+  } catch (const Error&) {
+    if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
+    throw;
+  } catch (const Stopped&) {
+    if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
+    throw;
+  }
+}
+
+int start(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "bench") start_bench(argv + 1);
+  Processes processes;
+  if (started_processes() > 1 && processes.start() > 0) {
+    processes.serve([&](std::string_view task, Peers& peers) {
+      const auto arguments = parse(argc, argv);  // as the first process has done
+      work_on(read_case(arguments->case_file, arguments->overrides), task, peers);
+    });
+    return 0;
+  }
+  const auto arguments = parse(argc, argv);
+  if (!arguments) return 0;
+  if (arguments->processes > 1 && started_processes() == 1) return run_by_mpiexec(arguments->processes, argv);
+  if (arguments->processes > 1 && arguments->processes != started_processes())
+    throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, --processes says {}; leave out one of them",
+                                          started_processes(), arguments->processes));
+  return perform(*arguments, processes);
+}
+
+}  // namespace
+
+}  // namespace kerf
+
+int main(int argc, char** argv) {
+  return kerf::run_program(kerf::start, argc, argv);
+}

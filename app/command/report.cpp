@@ -1,0 +1,24 @@
+#include "app/command/report.hpp"
+
+#include "io/files.hpp"
+#include "io/read_result.hpp"
+#include "kerf/types.hpp"
+#include "plot/page.hpp"
+
+#include <fmt/core.h>
+
+namespace kerf {
+
+void write_report(const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(folder / "result.json"))
+    throw Error(Fault::Files, fmt::format("{} holds no result.json; give the folder of a run that has ended, such as "
+                                          "out/cracked_plate",
+                                          folder.string()));
+  const Result result = read_result(folder);
+  PageData data;
+  if (std::filesystem::exists(folder / "report.bin")) data.arrays = read_arrays(folder / "report.bin");
+  if (std::filesystem::exists(folder / "case.toml")) data.case_text = read_file(folder / "case.toml");
+  write_page(folder / "report.html", result, data);
+}
+
+}  // namespace kerf

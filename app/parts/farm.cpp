@@ -1,0 +1,58 @@
+#include "app/parts/farm.hpp"
+
+#include "app/parts/parts.hpp"
+#include "base/packer.hpp"
+
+namespace kerf {
+
+namespace {
+
+/// Every so-manieth task is that of a process; the answers of all go to the first one, in the order of the tasks.
+std::vector<std::string> share(const Case& c, const std::vector<std::string>& tasks, Peers& peers) {
+  const auto here = static_cast<std::size_t>(peers.here()), count = static_cast<std::size_t>(peers.count());
+  const Problem problem = problem_of(c, 1);
+  Packer own;
+  for (std::size_t i = here; i < tasks.size(); i += count) own.put(try_start(problem, *c.optimize, tasks[i]));
+  std::vector<std::string> to(count);
+  to[0] = std::move(own).take();
+  const std::vector<std::string> from = peers.exchange(to);
+  if (here > 0) return {};
+  std::vector<std::string> answers(tasks.size());
+  for (std::size_t p = 0; p < count; ++p) {
+    Unpacker of(from[p]);
+    for (std::size_t i = p; i < tasks.size(); i += count) answers[i] = of.text();
+  }
+  return answers;
+}
+
+constexpr char starts = 's';  // what a task of them begins with
+
+}  // namespace
+
+bool has_starts_to_share(const Case& c) {
+  return c.optimize && c.optimize->method != OptimizeMethod::LevelSet && c.optimize->starts > 1 && !c.fit &&
+         !c.synthetic;
+}
+
+Farm farm_of(const Case& c, Processes* processes) {
+  if (!processes || started_processes() == 1 || !has_starts_to_share(c)) return {};
+  return [&c, processes](const std::vector<std::string>& tasks) {
+    Packer packed;
+    packed.put(starts);
+    packed.put(tasks.size());
+    for (const std::string& task : tasks) packed.put(task);
+    std::vector<std::string> answers;
+    processes->work(std::move(packed).take(), [&](Peers& peers) { answers = share(c, tasks, peers); });
+    return answers;
+  };
+}
+
+void work_on(const Case& c, std::string_view task, Peers& peers) {
+  if (task.empty() || task.front() != starts) return work_on_part(c, task, peers);
+  Unpacker from(task.substr(1));
+  std::vector<std::string> tasks(from.get<std::size_t>());
+  for (std::string& one : tasks) one = from.text();
+  share(c, tasks, peers);
+}
+
+}  // namespace kerf

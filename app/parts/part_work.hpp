@@ -1,0 +1,51 @@
+#pragma once
+// What every process does with its part of a body.
+
+#include "app/parts/part_task.hpp"
+#include "app/run/coarse_copy.hpp"
+#include "kerf/case_file.hpp"
+#include "solver/resultants.hpp"
+#include "solver/spread.hpp"
+
+#include <optional>
+
+namespace kerf {
+
+/// What all find together: the same on all, but for what the first one alone writes or draws.
+struct FoundTogether {
+  State state;   // certificate and counts alone
+  Quality mesh;  // with curved edges, which divided triangles are not similar beside
+  double potential = 0, work = 0, area = 0;
+  Analysis functional = {};  // the values alone
+  Index unknowns = 0, interior = 0;
+  std::optional<double> error;
+  std::optional<EnergyBounds> energy;
+  double mean_stress = 0;
+  bool has_stress = false;
+  std::optional<Peak> von_mises, displacement, strain;
+  double beside_chords = 0;  // top_on_chords
+  std::vector<LabelResultant> reactions;
+  std::vector<std::vector<CrackPoint>> profiles;  // per crack, in the order of its path
+  std::vector<std::vector<double>> slips;
+  std::vector<TipIntensity> tips;
+  std::vector<NamedField> fields, map_fields;  // names, kinds and components of the files
+  std::optional<MapResult> map;
+  std::vector<std::vector<std::vector<double>>> probes;  // rows of each
+  std::vector<CopiedCenter> centers;                     // of the first process alone, as those at the corners
+  std::vector<CopiedCorner> copied;                      // of the first process alone
+  // With PartTask::adapts: this round; why it is the last one, or else the indicator of the triangles before they were
+  // divided, of the first process alone, and nothing of what is above.
+  Round round;
+  std::string stopped;
+  Eigen::VectorXd eta;
+  PartedEffort effort;
+  ModelSeconds seconds;
+};
+
+/// Solves and writes the part that this process has.
+FoundTogether work_together(const Case& c, PartTask task, Peers& peers);
+
+/// The file of a process among those of a grid.
+std::string piece_name(std::string_view of, Index process);
+
+}  // namespace kerf

@@ -1,0 +1,345 @@
+// A body solved in parts: what is refused, the mesh and the tasks, and the result of all.
+
+#include "app/parts/parts.hpp"
+
+#include "app/parts/part_work.hpp"
+#include "app/ranks.hpp"
+#include "app/run/coarse_copy.hpp"
+#include "app/run/collect.hpp"
+#include "app/run/map.hpp"
+#include "app/run/peaks.hpp"
+#include "app/run/solve.hpp"
+#include "app/write/draw.hpp"
+#include "app/write/files.hpp"
+#include "app/write/page_data.hpp"
+#include "kerf/adaptive.hpp"
+#include "kerf/folded.hpp"
+#include "kerf/map.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/stop.hpp"
+#include "solver/adapting.hpp"
+#include "solver/divided.hpp"
+#include "solver/error_bars.hpp"
+#include "solver/recovery.hpp"
+#include "solver/stress.hpp"
+#include "solver/system.hpp"
+#include "solver/tangent_cone.hpp"
+#include "topo/analysis.hpp"
+#include "topo/clamped_parts.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace kerf {
+
+namespace {
+
+[[noreturn]] void fail_in_parts(const Case& c, const std::string& why) {
+  throw Error(Fault::Usage, fmt::format("{}: on several processes none has the whole of a divided mesh, and {}; use a "
+                                        "smaller mesh.size instead",
+                                        place_of(c, "mesh.refine"), why));
+}
+
+/// Throws Error(Usage) for what needs more of the whole than the sums of its parts.
+void refuse_parts(const Model& coarse, const Case& c, bool with_map) {
+  const auto fail = [&](const char* why) { fail_in_parts(c, why); };
+  if (!coarse.inner->standing.empty()) fail("what contact alone holds is known of the whole alone");
+  require_known_loads(c.functional, coarse);
+  require_finite(c.functional, coarse);
+  if (!with_map) return;
+  require_supports(c.functional, coarse);
+  if (c.map_request.second) fail("the second term takes solves of the whole");
+}
+
+/// The same body with measured displacements, without a factor.
+Model measured_body(const Case& c, const Model& coarse, const Support& measured) {
+  Model body = prepare(coarse.mesh, c.element, measured_scene(c.scene, measured), coarse.threads, {.factorize = false});
+  if (!body.inner->standing.empty())
+    fail_in_parts(c, "what contact alone holds of the body with measured displacements is known of the whole alone");
+  return body;
+}
+
+/// The body before its mesh is divided, graded at the ends of contact: a model without a factor, and what the faces do
+/// there.
+struct Undivided {
+  Model model;
+  ContactGuess contact;
+  std::vector<Vec2> ends;  // of contact
+};
+/// `given`: the mesh, or nothing.
+Undivided undivided(const Case& c, const std::shared_ptr<const Mesh>& given, const Journal& journal) {
+  const int threads = journal.options.threads;
+  Undivided u;
+  Mesh mesh;
+  if (has_contact(c.scene)) {
+    Adapted a = solve_graded(c.shape, c.sizing, c.element, c.scene,
+                             {.contact = c.contact, .estimate = false, .threads = threads, .given = given});
+    u.contact = contact_guess(a.model, a.state);
+    u.ends = std::move(a.sizing.ends);
+    mesh = std::move(a.model.mesh);
+  } else {
+    mesh = given ? *given : triangulate(c.shape, c.sizing);
+  }
+  check_division(mesh, c.element, c.divisions);
+  u.model = prepare(std::move(mesh), c.element, c.scene, threads, {.factorize = false});
+  return u;
+}
+
+/// What limits the map, which is that of the body and not of its mesh.
+std::vector<std::string> limits_before_division(const Case& c, const Undivided& u, const MapResult& map, int threads) {
+  if (!has_series(c.map_request.perturbation))  // they are those of the scene
+    return limits_of_map({c.functional, c.map_request, {}}, {.model = &u.model, .state = nullptr}, map);
+  if (!may_answer_by_pressure(u.model.scene)) return {};
+  const Model model = prepare(u.model.mesh, c.element, c.scene, threads);
+  const State state = solve(model, c.contact);
+  return limits_of_map({c.functional, c.map_request, {}}, analyze(c.functional, model, state), map);
+}
+
+/// Numbers of the mesh divided so many times: its triangles are similar to those before, but beside curved edges.
+void describe_divided(const Mesh& coarse, int divisions, Result& r) {
+  double triangles = static_cast<double>(coarse.triangles.size()), edges = static_cast<double>(coarse.edges.size()),
+         points = static_cast<double>(coarse.points.size());
+  for (int k = 0; k < divisions; ++k) {
+    points += edges;
+    edges = 2 * edges + 3 * triangles;
+    triangles *= 4;
+  }
+  if (triangles > 2e9 || edges > 2e9)
+    throw Error(Fault::Usage, "mesh.refine: more triangles or edges than can be numbered; divide the mesh less often");
+  r.triangles = static_cast<Index>(triangles);
+  r.vertices = static_cast<Index>(points);
+  r.mesh = quality(coarse);
+  r.mesh.h_min = std::ldexp(r.mesh.h_min, -divisions);
+  r.mesh.h_max = std::ldexp(r.mesh.h_max, -divisions);
+}
+
+/// The pictures, the table of the map, and the map for the page.
+void draw(const Case& c, const Result& r, CoarseCopy& copy, Journal& journal) {
+  const Model& model = copy.adapted.model;
+  journal.picture("mesh.png", [&] { return mesh_picture(journal.title, model.mesh); });
+  journal.picture("von_mises.png", [&] { return stress_picture(journal.title, model, copy.data); });
+  if (!r.map) return;
+  copy.map.result = *r.map;
+  static const std::vector<Vec2> everywhere;
+  const MapTask task{c.functional, c.map_request, c.map ? c.map->points : everywhere};
+  if (task.points.empty()) write_map_table(journal, task, copy.map, model.mesh, copy.data);
+  journal.picture("map.png", [&] { return map_picture(journal.title, task, model, copy.data, copy.map); });
+  if (journal.html) add_map(journal.arrays, task, copy.map, model, copy.data);
+}
+
+/// The rounds of a solution; one without mesh.adapt.
+struct InParts {
+  InParts(const Case& of, bool map, Processes& with, Journal& to, Result& result)
+      : c(of), with_map(map), processes(with), journal(to), r(result), ranks(with.ranks(of.petsc)) {}
+
+  FoundTogether solve() {
+    if (c.adapt && c.adapt->of) fail_in_parts(c, "mesh.adapt.of asks for intervals, which take the whole");
+    if (c.adapt) require(c.element, can_estimate_error);
+    if (c.precision == FactorPrecision::Single && !c.petsc.empty())
+      throw Error(Fault::Usage, fmt::format("{}: options select PETSc's solver, whose factors are in double precision; "
+                                            "leave out solver.precision",
+                                            place_of(c, "solver.petsc")));
+    std::vector<Round> rounds;
+    std::shared_ptr<const Mesh> given = c.mesh;
+    while (true) {
+      journal.begin("mesh");
+      before = undivided(c, given, journal);
+      PartTask task = task_for(before);
+      task.rounds = rounds;
+      zones = task.peaks ? task.zones : SingularZones{};
+      journal.seconds.mesh += journal.lap();
+      journal.begin("solve in parts");
+      FoundTogether found;
+      processes.work(packed(task), [&](Peers& peers) { found = work_together(c, std::move(task), peers); });
+      journal.seconds.assemble += found.seconds.assemble;
+      journal.seconds.contact += found.state.seconds.contact;
+      journal.seconds.solve += journal.lap() - found.seconds.assemble - found.state.seconds.contact;
+      if (!before.model.mesh.arc.empty()) r.mesh = found.mesh;
+      rounds.push_back(found.round);
+      if (c.adapt && found.stopped.empty()) {
+        if (stop_requested()) throw Stopped{};
+        journal.begin(fmt::format("refine: round {}, {} triangles, estimated error {:.3g}", rounds.size(),
+                                  found.round.triangles, found.round.estimated_error));
+        given = std::make_shared<const Mesh>(next(found));
+        continue;
+      }
+      if (c.adapt) {
+        r.adapt.emplace().stopped = found.stopped;
+        for (const Round& round : rounds) r.adapt->rounds.emplace_back(round.triangles, round.estimated_error);
+      }
+      return found;
+    }
+  }
+
+  Undivided before = {};
+  SingularZones zones = {};  // where peaks are looked for
+
+ private:
+  /// Green's tensor is smooth: that of the mesh before it is divided, of one degree more.
+  std::string green_before_division(const Undivided& u) const {
+    const Model model = prepare(u.model.mesh, better_element(c.element), c.scene, journal.options.threads);
+    const State state = kerf::solve(model, c.contact);
+    std::vector<Vec2> points;
+    if (c.map) points = c.map->points;
+    for (const Probe& probe : c.probes) points.insert(points.end(), probe.points.begin(), probe.points.end());
+    return packed(*green_of_body(analyze(c.functional, model, state), c.functional, c.map_request, points));
+  }
+
+  PartTask task_for(const Undivided& u) {
+    const Mesh& mesh = u.model.mesh;
+    refuse_parts(u.model, c, with_map);
+    if (mesh.triangles.size() < least_of_part * static_cast<std::size_t>(processes.count()))
+      throw Error(Fault::Usage,
+                  fmt::format("{}: {} triangles before they are divided are too few for {} processes; use a "
+                              "smaller mesh.size, or fewer processes",
+                              place_of(c, "mesh.refine"), mesh.triangles.size(), processes.count()));
+    describe_divided(mesh, c.divisions, r);
+    PartTask task{.coarse = mesh,
+                  .process = shares(u.model, *ranks),
+                  .folder = std::filesystem::absolute(journal.options.folder).string(),
+                  .divisions = c.divisions,
+                  .threads = journal.options.threads,
+                  .vtk = journal.vtk,
+                  .estimate = c.output.estimate,
+                  .peaks = c.output.peaks,
+                  .tips = c.output.tips,
+                  .bounds = c.output.energy_bounds,
+                  .copy = journal.png || journal.html || with_map,
+                  .map = with_map,
+                  .precision = c.precision == FactorPrecision::Single ? Precision::Single : Precision::Double,
+                  .floating = floating_of(u.model, c.divisions),
+                  .piece = pieces_for_pressure(mesh, c.scene),
+                  .contact = u.contact,
+                  .adapts = c.adapt.has_value()};
+    if (task.peaks || task.map) task.zones = singular_zones(u.model, extent(c.shape));
+    if (with_map && !has_series(c.map_request.perturbation)) task.green = green_before_division(u);
+    if (c.adapt) task.error = c.adapt->error, task.max_triangles = c.adapt->max_triangles;
+    for (const Term& term : c.functional.terms)
+      if (term.measured) task.measured = floating_of(measured_body(c, u.model, *term.measured), c.divisions);
+    return task;
+  }
+
+  Mesh next(const FoundTogether& found) const {
+    Sizing sizing = c.sizing;
+    if (!(sizing.size > 0)) sizing.size = extent(c.shape) / 40;
+    sizing.ends = before.ends;
+    const Adaptation wanted{.error = c.adapt->error, .max_triangles = c.adapt->max_triangles, .divisions = c.divisions};
+    return next_mesh(c.shape, sizing, wanted, before.model.mesh, static_cast<double>(c.element.order),
+                     {.eta = found.eta, .relative = found.round.estimated_error});
+  }
+
+  const Case& c;
+  bool with_map;
+  Processes& processes;
+  Journal& journal;
+  Result& r;
+  std::shared_ptr<Ranks> ranks;
+};
+
+}  // namespace
+
+void work_on_part(const Case& c, std::string_view task, Peers& peers) {
+  work_together(c, unpacked(task), peers);
+}
+
+CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes, Journal& journal, Result& r) {
+  Case c = given;
+  InParts in_parts(c, with_map, processes, journal, r);
+  FoundTogether found;
+  try {
+    found = in_parts.solve();
+  } catch (const FoldedTriangle& e) {  // before there was a task
+    if (c.curved.value_or(false)) throw;
+    draw_chords(c, e.what());
+    found = in_parts.solve();
+  }
+  Undivided& before = in_parts.before;
+  const Model& coarse = before.model;
+  StateResult& s = r.state.emplace();
+  s.element = c.element.name;
+  s.degree = c.element.degree;
+  s.condensed_unknowns = found.unknowns;
+  s.unknowns = found.unknowns + found.interior;
+  s.residual = found.state.certificate.residual;
+  s.work_error = found.state.certificate.work;
+  s.energy = found.potential;
+  s.compliance = found.work;
+  s.area = found.area;
+  require_energy(s.energy, found.has_stress);
+  s.estimated_error = found.error;
+  s.von_mises = found.von_mises;
+  s.displacement = found.displacement;
+  s.thickness = c.thickness;
+  s.of_polygon = is_of_polygon(c.shape, coarse.mesh);
+  s.notes = coarse.notes;
+  if (const std::string note = lost_digits(found.state); !note.empty()) s.notes.push_back(note);
+  for (const std::string& note : notes_on_data(coarse.mesh, c.scene, coarse.inner->data, c.shape))
+    s.notes.push_back(note);
+  if (const std::string odd = implausible(c.units, c.young); !odd.empty()) s.notes.push_back(odd);
+  if (const std::string note = note_on_drawing(c, coarse); !note.empty()) s.notes.push_back(note);
+  const std::vector<std::string> about_mesh = notes_on_files(c);
+  s.notes.insert(s.notes.end(), about_mesh.begin(), about_mesh.end());
+  for (const std::string& note : notes_on_size(found.strain, found.displacement, extent(c.shape)))
+    s.notes.push_back(note);
+  if (const auto top = s.von_mises ? top_on_chords(c, *s.von_mises) : std::nullopt)
+    if (const std::string note = note_on_chords(c, *top, found.beside_chords); !note.empty()) s.notes.push_back(note);
+  if (with_map && !has_series(c.map_request.perturbation))
+    s.notes.emplace_back(
+        "the map of clamped holes takes Green's tensor, which is smooth, of the mesh before it was divided and of one "
+        "degree more");
+  s.notes.emplace_back(
+      "solved in parts, of which no process has the whole: pictures and page show it at the corners of the mesh before "
+      "it was divided; state.pvtu has the fields");
+  if (found.energy) add_energy_bounds(*found.energy, s);
+  add_resultants(coarse, found.reactions, c.shape, s);
+  r.solver = solver_result(found.effort);
+  const std::vector<std::array<bool, 2>> tips = ends_inside(coarse.mesh);
+  const std::size_t per_edge = static_cast<std::size_t>(coarse.inner->skeleton.per_edge) / 2;
+  for (std::size_t k = 0; k < found.profiles.size(); ++k)
+    r.cracks.push_back(
+        crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k], {tips[k], per_edge}));
+  for (const TipIntensity& tip : found.tips)
+    r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
+  add_pressures({tips, per_edge, in_parts.zones.points, extent(c.shape)}, r.cracks);
+  for (const std::string& note : notes_on_faces(r.cracks)) s.notes.push_back(note);
+  ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
+  for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
+  for (const std::string& note : notes_on_contact(r.cracks, contact)) s.notes.push_back(note);
+  if (has_contact(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
+  r.functional = functional_result(c.functional, found.functional);
+  found.functional.model = &coarse;  // no process has that of the whole
+  for (const std::string& note : notes_on(c.functional, found.functional, c.shape, r.cracks)) s.notes.push_back(note);
+  if (!certified(found.state)) {
+    r.status = "not converged";
+    r.reason = failure(coarse, found.state);
+    if (c.precision == FactorPrecision::Single)
+      *r.reason += "; factors in double precision may serve (solver.precision)";
+  }
+  journal.begin("write the state");
+  const auto write_grid = [&](const std::string& name, const std::vector<NamedField>& fields) {
+    std::vector<std::string> pieces;
+    for (Index p = 0; p < static_cast<Index>(processes.count()); ++p) pieces.push_back(piece_name(name, p));
+    if (journal.vtk) write_pvtu(journal.file(name + ".pvtu"), pieces, fields);
+  };
+  write_grid("state", found.fields);
+  if (found.map) {
+    r.map = std::move(found.map);
+    for (std::string& note : limits_before_division(c, before, *r.map, journal.options.threads))
+      s.notes.push_back(std::move(note));
+    write_grid("map", found.map_fields);
+    if (!r.map->points.empty())
+      write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
+  }
+  write_crack_files(journal, r.cracks);
+  for (std::size_t k = 0; k < c.probes.size(); ++k)
+    write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
+  CoarseCopy copy = coarse_copy(std::move(before.model), found.copied, found.centers);
+  draw(c, r, copy, journal);
+  journal.seconds.output += journal.lap();
+  return copy;
+}
+
+}  // namespace kerf

@@ -1,0 +1,110 @@
+// The rows of load cases: each solved on the mesh of the state, in the order of names.
+
+#include "app/run/load_cases.hpp"
+
+#include "app/run/margins.hpp"
+#include "app/run/peaks.hpp"
+#include "optimize/load_cases.hpp"
+#include "solver/resultants.hpp"
+#include "solver/system.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& state,
+                 std::vector<CrackResult>& cracks, Journal& journal) {
+  if (!c.output.peaks) return;
+  add_peaks(adapted.model, data, extent(c.shape), state, cracks);
+  if (state.von_mises && !is_of_polygon(c.shape, adapted.model.mesh))  // corners of chords have a note
+    refine_peak(adapted.model, adapted.state, data, c.plane_strain, singular_zones(adapted.model, extent(c.shape)),
+                *state.von_mises);
+  journal.seconds.recover += journal.lap();
+  add_margins(c, adapted, data, state, cracks);
+  journal.seconds.margins += journal.lap();
+}
+
+Case under(const Case& c, const LoadCase& load_case) {
+  Case out = c;
+  out.scene.tractions = load_case.tractions;  // all loads belong to load cases
+  out.scene.body = load_case.body;
+  return out;
+}
+
+namespace {
+
+LoadCaseResult row_of(const LoadCase& load_case, const StateResult& s) {
+  return {load_case.name, load_case.weight, s.energy, s.compliance, s.von_mises, s.displacement, s.reactions};
+}
+
+/// Whether the mesh of one load case is that of all, and a solution of one is by the factor of any.
+bool shares_factor(const Case& c) {
+  return !has_contact(c.scene) && !c.adapt && c.backend == Backend::Cholmod;
+}
+
+/// `alone`: as in add_load_cases.
+Adapted solved(Case& c, const Adapted& shown, const std::function<Adapted(Case&, Result&)>& alone, Journal& journal) {
+  Result unseen;
+  if (!shares_factor(c)) return alone(c, unseen);
+  Adapted out{.model = with_loads(shown.model, c.scene), .state = {}, .indicator = {}, .rounds = {}, .sizing = {}};
+  out.state = solve(out.model, c.contact);
+  journal.seconds.solve += journal.lap();
+  return out;
+}
+
+/// Energies, reactions and largest values.
+StateResult measured(const Case& c, const Adapted& adapted, Journal& journal) {
+  StateResult s{.energy = potential_energy(adapted.model, adapted.state),
+                .compliance = work_of_loads(adapted.model, adapted.state)};
+  require_energy(s.energy, has_stress(adapted.model, adapted.state));
+  add_resultants(adapted.model, reactions(adapted.model, adapted.state), c.shape, s);
+  std::vector<CrackResult> cracks;
+  if (c.output.peaks)
+    add_largest(c, adapted, plot_data(adapted.model, adapted.state, c.plane_strain), s, cracks, journal);
+  return s;
+}
+
+std::string whose(const std::vector<LoadCase>& all, const std::string& shown) {
+  std::string others;
+  for (const LoadCase& l : all)
+    if (l.name != shown) others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", l.name);
+  return fmt::format(
+      "state, cracks, contact, files and pictures are those of load case \"{}\", the first by name; load_cases has the "
+      "largest values and the reactions under {}, too",
+      shown, others);
+}
+
+}  // namespace
+
+void add_load_cases(const Case& c, const Adapted& shown_state,
+                    const std::function<Adapted(Case&, Result&)>& solve_alone, Journal& journal, Result& r) {
+  if (!c.optimize || c.optimize->load_cases.empty()) return;
+  const std::vector<LoadCase> all = by_name(c.optimize->load_cases);
+  const std::string& name = shown(all).name;
+  r.state->load_case = name;
+  if (all.size() > 1) r.state->notes.insert(r.state->notes.begin(), whose(all, name));
+  for (const LoadCase& load_case : all) {
+    if (load_case.name == name) {
+      r.load_cases.push_back(row_of(load_case, *r.state));
+      continue;
+    }
+    journal.begin(fmt::format("load case \"{}\"", load_case.name));
+    try {
+      Case other = under(c, load_case);
+      const Adapted adapted = solved(other, shown_state, solve_alone, journal);
+      if (!certified(adapted.state)) throw Error(Fault::Numerics, failure(adapted.model, adapted.state));
+      const StateResult s = measured(other, adapted, journal);
+      for (const std::string& note : s.notes)
+        if (std::ranges::find(r.state->notes, note) == r.state->notes.end())
+          r.state->notes.push_back(fmt::format("load case \"{}\": {}", load_case.name, note));
+      r.load_cases.push_back(row_of(load_case, s));
+    } catch (const Error& e) {
+      if (e.fault != Fault::Numerics) throw;
+      throw Error(e.fault, fmt::format("load case \"{}\": {}", load_case.name, e.what()));
+    }
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,650 @@
+#include "app/run.hpp"
+#include "app/ranks.hpp"
+#include "app/run/peaks.hpp"
+
+#include "app/command/refuse.hpp"
+#include "app/command/report.hpp"
+#include "app/folder.hpp"
+#include "app/parts/farm.hpp"
+#include "app/parts/parts.hpp"
+#include "app/run/bounds.hpp"
+#include "app/run/history.hpp"
+#include "app/run/load_cases.hpp"
+#include "app/run/map.hpp"
+#include "app/run/margins.hpp"
+#include "app/run/optimize.hpp"
+#include "app/run/solve.hpp"
+#include "app/run/validate.hpp"
+#include "app/write/draw.hpp"
+#include "app/write/files.hpp"
+#include "app/write/page_data.hpp"
+#include "io/document.hpp"
+#include "io/files.hpp"
+#include "io/kept.hpp"
+#include "io/mesh_source.hpp"
+#include "kerf/folded.hpp"
+#include "kerf/stop.hpp"
+#include "optimize/load_cases.hpp"
+#include "plot/page.hpp"
+#include "solver/system.hpp"
+
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+namespace kerf {
+
+namespace {
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+// What the steps take from a case.
+
+Body body_of(const Case& c) {
+  return {c.shape, c.sizing, c.scene, c.element};
+}
+/// The same with the mesh graded as that of the solution.
+Body body_of(const Case& c, const Adapted& adapted) {
+  return {c.shape, adapted.sizing, c.scene, c.element};
+}
+
+Adaptation adaptation(const Case& c, const RunOptions& options) {
+  Adaptation how{.contact = c.contact,
+                 .saddle_point = c.backend == Backend::Umfpack,
+                 .estimate = c.output.estimate,
+                 .threads = options.threads};
+  if (c.precision == FactorPrecision::Single || options.in_single) how.precision = Precision::Single;
+  if (c.backend == Backend::Petsc) how.ranks = options.processes->ranks(c.petsc);
+  if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
+  how.given = c.mesh;
+  how.divisions = c.divisions;
+  return how;
+}
+
+MapTask map_task(const Case& c) {
+  static const std::vector<Vec2> everywhere;
+  return {c.functional, c.map_request, c.map ? c.map->points : everywhere};
+}
+
+OptimizeTask optimize_task(const Case& c, const RunOptions& options) {
+  return {.problem = problem_of(c, options.threads),
+          .request = *c.optimize,
+          .truth = c.synthetic,
+          .fit = c.fit,
+          .readings = c.readings,
+          .fingerprint = c.fingerprint,
+          .farm = farm_of(c, options.processes)};
+}
+
+/// The optimal design as a case of its own: its shape, its scene with the loads of the first load case.
+Case designed(const Case& c, const OptimizeResult& result) {
+  Case out = c;
+  out.mesh.reset();
+  out.shape = result.shape;
+  out.scene = result.scene;
+  if (out.scene.tractions.empty() && !out.scene.body) {  // loads of load cases: then no crack has a pressure
+    const Scene loaded = loaded_scene(c);
+    out.scene.tractions = loaded.tractions;
+    out.scene.body = loaded.body;
+  }
+  choose_edges(out);
+  return out;
+}
+
+Picture picture_of(const Case& design, const Mesh& mesh) {
+  std::vector<LoadCase> all = by_name(design.optimize->load_cases);
+  const std::span<const LoadCase> further = all.empty() ? std::span(all) : std::span(all).subspan(1);
+  return design_picture(design.title, mesh, design.scene, further, extent(design.shape));
+}
+
+struct Jobs {
+  bool map = false, validate = false, optimize = false;
+};
+
+Jobs jobs_of(const Case& c, Job job) {
+  const Jobs jobs{.map = job == Job::Map || (job == Job::Run && c.map),
+                  .validate = job == Job::Validate || (job == Job::Run && c.validate),
+                  .optimize = job == Job::Optimize || (job == Job::Run && c.optimize)};
+  if (jobs.validate && !c.validate)
+    throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
+  if (jobs.optimize && !c.optimize)
+    throw Error(Fault::Usage, "the case has no table [optimize]; add it with method and volume");
+  return jobs;
+}
+
+/// A mesh from a file may be of a body that cannot be drawn: known before anything is solved.
+void refuse_remeshing(const Case& c, const Jobs& jobs) {
+  if (!c.mesh) return;
+  const char* why = jobs.optimize                      ? "optimize"
+                    : jobs.validate                    ? "validate"
+                    : jobs.map && c.map_request.bounds ? "bound the map"
+                    : c.adapt                          ? "adapt the mesh"
+                    : c.synthetic                      ? "make up measurements"
+                                                       : nullptr;
+  if (!why) return;
+  if (const auto problem = find_problem(c.shape))
+    throw Error(
+        Fault::Geometry,
+        fmt::format("{}; to {}, kerf would have to mesh this body anew, and cannot (kerf solve and map can use the "
+                    "mesh as it is)",
+                    *problem, why));
+}
+
+/// What is not solved on several processes.
+void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processes) {
+  if (c.backend != Backend::Petsc) {
+    if (jobs.optimize && has_starts_to_share(c)) return;
+    if (started_processes() > 1 && processes && jobs.optimize)
+      throw Error(
+          Fault::Usage,
+          fmt::format("mpiexec started {} processes, which share no more of an optimization than the starts of a "
+                      "method by NLopt without readings: with such a method set optimize.starts to 2 or more, "
+                      "else start kerf as one process",
+                      started_processes()));
+    if (started_processes() > 1 && processes)
+      throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, and backend = \"{}\" uses one; set "
+                                            "solver.backend = \"petsc\", or start kerf without mpiexec",
+                                            started_processes(), backend_words[static_cast<std::size_t>(c.backend)]));
+    return;
+  }
+  const std::string place = place_of(c, "solver.backend");
+  if (!processes)
+    throw Error(Fault::Usage, place + ": backend = \"petsc\" is for the program kerf alone; use \"cholmod\"");
+  const char* job = jobs.optimize      ? "an optimization"
+                    : jobs.validate    ? "a validation"
+                    : !c.steps.empty() ? "a history of loads ([[step]])"
+                    : c.synthetic      ? "a made up measurement ([synthetic])"
+                                       : nullptr;
+  if (job)
+    throw Error(Fault::Usage, fmt::format("{}: backend = \"petsc\" solves a state and what follows from it; {} is not "
+                                          "solved on several processes yet: use \"cholmod\"",
+                                          place, job));
+}
+
+/// Divided triangles are of the mesh of a state; what meshes the body anew would not have them.
+void refuse_divided(const Case& c, const Jobs& jobs) {
+  if (c.divisions == 0) return;
+  const char* job = jobs.optimize                      ? "an optimization"
+                    : jobs.validate                    ? "a validation"
+                    : !c.steps.empty()                 ? "a history of loads ([[step]])"
+                    : c.synthetic                      ? "a made up measurement ([synthetic])"
+                    : jobs.map && c.map_request.bounds ? "error bars of a map (map.bounds)"
+                    : c.bounds                         ? "[bounds]"
+                                                       : nullptr;
+  if (job)
+    throw Error(Fault::Usage,
+                fmt::format("{}: mesh.refine is for a state and a map of it; {} meshes the body anew: use "
+                            "a smaller mesh.size",
+                            place_of(c, "mesh.refine"), job));
+}
+
+void refuse_jobs(const Case& c, const Jobs& jobs) {
+  refuse_divided(c, jobs);
+  if (!c.steps.empty()) {
+    refuse_steps(c);
+    if (jobs.map) refuse_with_steps(c, "a map ([map])");
+    if (jobs.validate) refuse_with_steps(c, "a validation ([validate])");
+    if (jobs.optimize) refuse_with_steps(c, "an optimization ([optimize])");
+  }
+  refuse_remeshing(c, jobs);
+  if (jobs.optimize) refuse_optimization(c);
+  if (jobs.map || jobs.validate) refuse_orthotropic(c);
+  const Element& e = c.element;
+  if (jobs.map) refuse_map(e, c.map_request);
+  if (jobs.validate) refuse_validation(e);
+}
+
+void prepare_folder(const RunOptions& options, const std::string& fingerprint) {
+  const std::filesystem::path& folder = options.folder;
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed)
+    throw Error(Fault::Files, fmt::format("cannot make the folder {}: {}", folder.string(), failed.message()));
+  if (options.lock) options.lock->take(folder);
+  if (options.resume) check_checkpoint(folder, fingerprint);
+  remove_earlier_results(folder, options.resume);
+}
+
+/// The case with its overrides, from which the folder can be made again.
+KeptCase kept_case(const Case& c, const std::string& command) {
+  std::vector<std::string> head{fmt::format("{}{} read it", head_of_results, KERF_VERSION)};
+  if (!command.empty()) head.push_back(command);
+  return keep(c, head);
+}
+
+void write_kept(const KeptCase& kept, const std::filesystem::path& folder) {
+  for (const auto& [name, bytes] : kept.files) write_file(folder, name, bytes);
+  write_file(folder / "case.toml", kept.text);
+}
+
+// The steps, with what they add to the result. Sections are there as soon as they are known: what fails later leaves
+// them.
+
+struct SolvedState {
+  Adapted adapted;
+  PlotData data;
+};
+
+void describe_mesh(const Mesh& mesh, Result& r) {
+  r.triangles = static_cast<Index>(mesh.triangles.size());
+  r.vertices = static_cast<Index>(mesh.points.size());
+  r.mesh = quality(mesh);
+}
+
+Adapted solve_body(const Case& c, Journal& journal, Result& r) {
+  const Body body = body_of(c);
+  Adaptation how = adaptation(c, journal.options);
+  if (!c.steps.empty()) {
+    how.meshed = [&](const Mesh& mesh) { describe_mesh(mesh, r); };
+    return solve_steps(c, how, journal, r.steps);
+  }
+  if (!c.adapt) {
+    how.meshed = [&](const Mesh& mesh) {
+      describe_mesh(mesh, r);
+      journal.begin("assemble, factorize and solve");
+    };
+    return solve_once(body, how, journal);
+  }
+  const BoundsTask task{body, c.functional, c.map_request.perturbation, c.plane_strain};
+  if (const auto& of = c.adapt->of)
+    how.goal = [&](const Model& m, const State& s, const Indicator& own) {
+      return goal_indicator(task, *of, m, s, own);
+    };
+  Adapted adapted = solve_refined(body, how, journal);
+  describe_mesh(adapted.model.mesh, r);
+  r.adapt = adapt_result(adapted);
+  if (c.adapt->of) r.adapt->of = in_words(*c.adapt->of, c.shape, c.sizing.curved);
+  return adapted;
+}
+
+/// With chords after all where an edge that follows a curve folds a triangle, unless mesh.curved = true.
+Adapted solve_body_as_it_can(Case& c, Journal& journal, Result& r) {
+  try {
+    return solve_body(c, journal, r);
+  } catch (const FoldedTriangle& e) {
+    if (c.curved.value_or(false)) throw;
+    draw_chords(c, e.what());
+    return solve_body(c, journal, r);
+  }
+}
+
+SolvedState solve_state(Case& c, Journal& journal, Result& r) {
+  Adapted adapted = solve_body_as_it_can(c, journal, r);
+  if (stop_requested()) {  // between rounds: the last one is there
+    write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
+                crack_results(adapted.model, adapted.state, c.shape), journal);
+    throw Stopped{};
+  }
+  journal.begin("recover");
+  StateSection section = describe_state(adapted, c, journal);
+  r.state = std::move(section.state);
+  r.state->thickness = c.thickness;
+  if (const auto effort = parted_effort(adapted.model)) r.solver = solver_result(*effort);
+  if (journal.options.in_single && r.solver)  // else it did not serve, which a note says
+    r.state->notes.emplace_back(
+        "the factor is kept in single precision: in double it would take more memory than there is or may be used");
+  if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
+  if (has_functions(*c.document))
+    r.state->notes.emplace_back(
+        "functions of a program are known at sampled points alone: what is said of errors holds as sampled");
+  if (!r.steps.empty())
+    r.state->notes.push_back(
+        fmt::format("state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
+                    r.steps.back().name));
+  std::string loads = note_on_loads(c.scene, c.shape);
+  if (loads.empty() && certified(adapted.state) && !has_stress(adapted.model, adapted.state))
+    loads =
+        "there is no stress in the body: its loads are 0 wherever they were looked at, and what is prescribed moves "
+        "it as a rigid one";
+  for (std::string note : {std::move(loads), note_on_size(c, adapted.model.mesh.triangles.size())})
+    if (!note.empty()) r.state->notes.push_back(std::move(note));
+  const std::vector<std::string> about_mesh = notes_on_files(c);
+  r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
+  r.cracks = std::move(section.cracks);
+  for (std::string& words : notes_on_contact(r.cracks, adapted.model, adapted.state))
+    r.state->notes.push_back(std::move(words));
+  if (section.contact) r.contact = std::move(section.contact);
+  require_energy(r.state->energy, has_stress(adapted.model, adapted.state));
+  const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;
+  PlotData data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
+  add_largest(c, adapted, data, *r.state, r.cracks, journal);
+  if (const auto top = r.state->von_mises ? top_on_chords(c, *r.state->von_mises) : std::nullopt) {
+    const double middles = beside(adapted.model, adapted.state, data, c.plane_strain, top->at);
+    if (const std::string chords = note_on_chords(c, *top, middles); !chords.empty()) r.state->notes.push_back(chords);
+  }
+  if (r.state->von_mises && lies_on_chords_of_file(c, adapted.model.mesh, *r.state->von_mises))
+    r.state->notes.push_back(note_on_chords_of_file(r.state->von_mises->singular ? *r.state->von_mises->regular
+                                                                                 : r.state->von_mises->largest));
+  journal.seconds.recover += journal.lap();
+  const auto alone = [&journal](Case& one, Result& unseen) { return solve_body_as_it_can(one, journal, unseen); };
+  if (certified(adapted.state)) add_load_cases(c, adapted, alone, journal, r);
+  journal.load_case = r.state->load_case;
+  write_state(adapted, data, r.cracks, journal);
+  return {std::move(adapted), std::move(data)};
+}
+
+Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with_map, Journal& journal, Result& r) {
+  const auto note = [&r](const std::vector<std::string>& notes) {
+    r.state->notes.insert(r.state->notes.end(), notes.begin(), notes.end());
+  };
+  journal.begin(with_map ? "map" : "functional");
+  Analysis analysis = evaluate(c.functional, solved.adapted, with_map);
+  r.functional = functional_result(c.functional, analysis);
+  if (r.load_cases.size() > 1)
+    note(
+        {fmt::format("functional, map and validation are under load case \"{}\" alone; an optimization takes the "
+                     "weighted sum over all load cases",
+                     r.state->load_case)});
+  note(notes_on(c.functional, analysis, c.shape, r.cracks));
+  if (!c.mesh)
+    if (const std::string grows = note_on_growth(c.functional, body_of(c, solved.adapted), c.contact, analysis);
+        !grows.empty())
+      note({grows});
+  if (!with_map) {
+    journal.seconds.solve += journal.lap();
+    return analysis;
+  }
+  const MapTask task = map_task(c);
+  Mapped map = map_body(task, analysis, solved.data, c.shape);
+  r.map = map.result;
+  note(limits_of_map(task, analysis, map.result));
+  note(bound_map(task, analysis, body_of(c, solved.adapted), map));
+  r.map = map.result;
+  if (journal.options.fields) journal.options.fields->map = map.full;
+  if (journal.html) add_map(journal.arrays, task, map, solved.adapted.model, solved.data);
+  journal.seconds.map = journal.lap();
+  write_map(task, map, solved.adapted.model, solved.data, journal);
+  return analysis;
+}
+
+/// By what the iterations are solved, and by what the design, and how much that matters for J; empty where it is the
+/// same.
+std::string note_on_elements(const Case& c, const Case& design, const OptimizeResult& found) {
+  const Element &loop = c.optimize_element, &end = design.element;
+  if (loop.name == end.name && loop.degree == end.degree && !design.sizing.curved) return {};
+  const FinerDesign& finer = found.finer;
+  const bool compared = std::isfinite(finer.objective) && found.objective != 0 && c.optimize->level_set.ersatz == 0;
+  return fmt::format(
+      "the iterations are solved with {} {} on straight edges, the design with {} {}{}{}", loop.name, loop.degree,
+      end.name, end.degree, design.sizing.curved ? " on edges that follow its curves" : " on straight edges",
+      compared ? fmt::format(": J is {:.6g} by the former, and {:.6g} ({:+.2g} %) with {} {} on {} edges "
+                             "and a mesh of size {:.3g}",
+                             found.objective, finer.objective, 100 * (finer.objective / found.objective - 1),
+                             finer.element.name, finer.element.degree, finer.curved ? "curved" : "straight", finer.size)
+               : std::string());
+}
+
+Case optimize_design(const Case& c, Journal& journal, Result& r) {
+  OptimizeSection found = optimize_body(optimize_task(c, journal.options), journal);
+  if (!found.result.feasible) {
+    r.status = "infeasible";
+    r.reason = "the design violates a constraint: " + found.result.stopped.substr(found.result.stopped.find(' ') + 1);
+  }
+  Case design = designed(c, found.result);
+  if (std::string words = note_on_elements(c, design, found.result); !words.empty())
+    found.result.notes.push_back(std::move(words));
+  write_design_files(journal, c, found.result);
+  journal.writer->finish();  // gmsh gets a child of this process, which is made while no other thread is at work
+  try {
+    if (has_gmsh())
+      journal.later(
+          [path = journal.file("design.step"), bytes = step_file(found.result.shape)] { write_file(path, bytes); });
+  } catch (const Error& e) {  // the design is not lost with it
+    found.result.notes.push_back(e.what());
+  }
+  r.optimize = std::move(found.result);
+  r.optimize_names = std::move(found.names);
+  r.identified = std::move(found.identified);
+  r.counted = std::move(found.counted);
+  r.fit = std::move(found.fit);
+  return design;
+}
+
+void write_design_mesh(const Journal& journal, const Mesh& mesh, const Shape& shape) {
+  journal.later([path = journal.file("design.msh"), mesh, shape] { write_mesh(path, mesh, shape); });
+}
+
+/// After a state, a map or a validation of the given body the design is drawn alone: the last design_NNNN.vtu has its
+/// state.
+void draw_design(const Case& design, Journal& journal, Result& r) {
+  r.optimize->notes.push_back("state, map and validation are of the body before the optimization");
+  journal.begin("draw the design");
+  const Body body = body_of(design);
+  const Mesh mesh = triangulate(body.shape, body.sizing);
+  write_design_mesh(journal, mesh, design.shape);
+  journal.picture("design.png", [&] { return picture_of(design, mesh); });
+  journal.seconds.output += journal.lap();
+}
+
+/// The state of the optimal design; J is what the optimization says, over all load cases.
+SolvedState solve_design(Case& design, Journal& journal, Result& r) {
+  SolvedState solved = solve_state(design, journal, r);
+  write_design_mesh(journal, solved.adapted.model.mesh, design.shape);
+  journal.picture("design.png", [&] { return picture_of(design, solved.adapted.model.mesh); });
+  r.functional = {design.functional.kind, r.optimize->objective};
+  journal.seconds.output += journal.lap();
+  return solved;
+}
+
+void sum_up(Journal& journal, Result& r) {
+  journal.seconds.total += journal.since_start.lap();
+  r.seconds = journal.seconds;
+  r.peak_memory_mb = peak_memory_mb();
+}
+
+/// Nothing further can be had. What there is goes to disk.
+void fail(const Error& e, Journal& journal, Result& r) {
+  journal.writer->finish();
+  r.status = "failed";
+  r.reason = e.what();
+  sum_up(journal, r);
+  write_json(journal.file("result.json"), r);
+}
+
+/// The body that the state of a run belongs to. It stays where it is: the analysis points to the state.
+struct Outcome {
+  Case c;
+  SolvedState solved;
+  std::optional<Analysis> analysis = {};
+};
+
+/// What the case asks for beside an optimization, then that. What cannot be had after the state leaves it, and a result
+/// that says so.
+std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& journal, Result& r) {
+  Case c = given;
+  c.scene = loaded_scene(given);
+  std::unique_ptr<Outcome> out;
+  try {
+    if (!jobs.optimize || jobs.map || jobs.validate) {
+      SolvedState solved = solve_state(c, journal, r);
+      out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
+    }
+  } catch (const Error& e) {
+    if (e.fault == Fault::Numerics) fail(e, journal, r);
+    throw;
+  }
+  try {
+    // Nothing is built on a state that is none: `complete` says so.
+    const bool sound = !out || certified(out->solved.adapted.state);
+    if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
+    if (jobs.validate && sound) r.validate = validate_expansion(out->c, body_of(out->c, out->solved.adapted), journal);
+    if (jobs.optimize && sound) {
+      Case design = optimize_design(given, journal, r);
+      if (out) {
+        draw_design(design, journal, r);
+      } else {
+        SolvedState solved = solve_design(design, journal, r);
+        out = std::make_unique<Outcome>(Outcome{std::move(design), std::move(solved)});
+      }
+    }
+  } catch (const Error& e) {
+    if (e.fault != Fault::Numerics || stop_requested()) throw;
+    if (!out) fail(e, journal, r);
+    if (!out) throw;
+    r.status = "failed";
+    r.reason = e.what();
+    journal.lap();
+  }
+  return out;
+}
+
+/// Whether each process divides its own part of the mesh, which none has as a whole.
+bool is_in_parts(const Case& c) {
+  return c.divisions > 0 && c.backend == Backend::Petsc && started_processes() > 1;
+}
+void refuse_in_parts(const Case& c) {
+  if (c.optimize && !c.optimize->load_cases.empty())
+    throw Error(Fault::Usage, fmt::format("{}: on several processes a divided mesh has the loads of [[boundary]] and "
+                                          "[body] alone, not those of [[load_case]]; write them so, or use a smaller "
+                                          "mesh.size instead",
+                                          place_of(c, "mesh.refine")));
+  if (std::ranges::any_of(c.probes, &Probe::bounds))
+    throw Error(
+        Fault::Usage,
+        fmt::format("{}: on several processes none has the whole of a divided mesh, and the stresses at a probe "
+                    "are not bounded there; use a smaller mesh.size instead",
+                    place_of(c, "mesh.refine")));
+}
+
+/// What [bounds] and mesh.adapt ask for.
+std::optional<BoundsRequest> bounds_asked(const Case& c) {
+  std::optional<BoundsRequest> asked = c.bounds;
+  if (!c.adapt || !c.adapt->of) return asked;
+  const GoalRequest& goal = *c.adapt->of;
+  if (!asked) asked = BoundsRequest{.tips = goal.crack != none};
+  if (goal.crack == none && goal.quantity != "energy" && std::ranges::count(asked->points, goal.at) == 0)
+    asked->points.push_back(goal.at);
+  const bool some = asked->tips || asked->compliance || !asked->points.empty() || !asked->discs.empty() ||
+                    !asked->lines.empty() || !asked->displacements.empty() || !asked->reactions.empty();
+  return some ? asked : std::nullopt;
+}
+
+/// The intervals that the case asks for.
+void bound(const Outcome& out, const BoundsRequest& asked, Journal& journal, Result& r) {
+  journal.begin("bound quantities");
+  const Body body = body_of(out.c, out.solved.adapted);
+  r.bounds = bound_quantities({body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain}, asked,
+                              out.solved.adapted, journal.options.threads);
+  write_bounds_files(journal, *r.bounds);
+  journal.seconds.bounds += journal.lap();
+}
+
+/// The stresses at the points of probes that ask for their bounds; of others none.
+std::vector<std::vector<BoundedStress>> bound_probes(const Outcome& out, Journal& journal) {
+  std::vector<std::vector<BoundedStress>> all(out.c.probes.size());
+  const bool any = std::ranges::any_of(out.c.probes, &Probe::bounds);
+  if (!any || !certified(out.solved.adapted.state)) return all;
+  journal.begin("bound the stresses of probes");
+  const Body body = body_of(out.c, out.solved.adapted);
+  const BoundsTask task{body, out.c.functional, out.c.map_request.perturbation, out.c.plane_strain};
+  const QuantityBounds bounds(out.solved.adapted.model, out.solved.adapted.state);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (const Probe& probe = out.c.probes[i]; probe.bounds)
+      all[i] = bound_stresses(task, out.solved.adapted.model, probe.points, bounds);
+  journal.seconds.bounds += journal.lap();
+  return all;
+}
+
+/// result.json and the page of what there is.
+void end(const Case& c, const Adapted& adapted, const PlotData& data, Journal& journal, Result& r) {
+  if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
+  journal.writer->finish();
+  journal.seconds.output += journal.lap();
+  sum_up(journal, r);
+  // Before the page: a disk may be full.
+  write_json(journal.file("result.json"), r, journal.html ? Flush::Buffers : Flush::Disk);
+  if (!journal.html) return;
+  add_state(journal.arrays, adapted, data, design_picture(c.title, adapted.model.mesh, c.scene, {}, extent(c.shape)));
+  thin(journal.arrays, most_triangles);
+  write_arrays(journal.file("report.bin"), journal.arrays);
+  write_report(journal.options.folder);
+  journal.seconds.output += journal.lap();
+  sum_up(journal, r);
+  write_json(journal.file("result.json"), r, Flush::Disk);
+}
+
+/// The jobs and their files.
+Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
+  Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title, .units = read.units};
+  r.functional_dimension = dimension_of(read.functional);
+  Case given = read;
+  if (read.synthetic) {
+    journal.begin("make up the measurements");
+    given = with_data(std::move(given), journal.options);
+  }
+  journal.seconds.solve += journal.lap();
+  if (is_in_parts(read)) {
+    refuse_in_parts(read);
+    const CoarseCopy copy = solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
+    end(read, copy.adapted, copy.data, journal, r);
+    return r;
+  }
+  const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
+
+  const Case& c = out->c;
+  const Adapted& adapted = out->solved.adapted;
+  if (const auto asked = bounds_asked(c); asked && certified(adapted.state)) bound(*out, *asked, journal, r);
+  const std::vector<std::vector<BoundedStress>> bounded = bound_probes(*out, journal);
+  journal.begin("write");
+  const auto outside = [&](const std::string& whose, const std::vector<Vec2>& points) {
+    if (std::string note = note_on_points(whose, adapted.model.mesh, points); !note.empty())
+      r.state->notes.push_back(std::move(note));
+  };
+  for (const Probe& probe : c.probes) outside(fmt::format("probe \"{}\"", probe.name), probe.points);
+  if (r.map && c.map && !c.map->points.empty()) outside("map", c.map->points);
+  const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
+  for (std::size_t i = 0; i < c.probes.size(); ++i)
+    write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, map_task(c), mapped), bounded[i]);
+  if (!certified(adapted.state)) {
+    r.status = "not converged";
+    r.reason = failure(adapted.model, adapted.state);
+  }
+  if (RunFields* const fields = journal.options.fields) {
+    fields->mesh = adapted.model.mesh;
+    fields->state = out->solved.data;
+    fields->indicator = adapted.indicator.eta;
+  }
+  end(c, adapted, out->solved.data, journal, r);
+  return r;
+}
+
+}  // namespace
+
+Result run(const Case& read, Job job, const RunOptions& options) {
+  const Jobs jobs = jobs_of(read, job);
+  if (options.resume && !jobs.optimize)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  refuse_jobs(read, jobs);
+  refuse_processes(read, jobs, options.processes);
+  const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before
+  prepare_folder(options, read.fingerprint);
+  write_kept(kept, options.folder);
+  Journal journal{.options = options,
+                  .title = read.title,
+                  .units = read.units,
+                  .vtk = read.output.vtk,
+                  .png = read.output.png,
+                  .html = read.output.html};
+  if (journal.vtk) try {
+      require_vtk();
+    } catch (const Error& e) {
+      if (read.places.contains("output.vtk")) throw;  // asked for by name
+      journal.vtk = false;
+      journal.missing = fmt::format("no files for ParaView: {}", e.what());
+    }
+  try {
+    return complete(read, jobs, journal);
+  } catch (const Stopped&) {
+    journal.writer->finish();
+    throw Error(Fault::Numerics, fmt::format("stopped in \"{}\"; what was done before is in {}", journal.phase,
+                                             options.folder.string()));
+  } catch (...) {
+    journal.writer->finish();  // what could not be written came before
+    throw;
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,268 @@
+#include "app/run/solve.hpp"
+
+#include "app/write/draw.hpp"
+#include "app/write/files.hpp"
+#include "geometry/curved.hpp"
+#include "geometry/plane.hpp"
+#include "kerf/bounds.hpp"
+#include "kerf/stop.hpp"
+#include "optimize/refuse.hpp"
+#include "solver/resultants.hpp"
+#include "solver/saddle_point.hpp"
+#include "solver/system.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+/// "the gap in a crack" of one with a name.
+std::string in_crack(std::string_view what, const std::string& name) {
+  return fmt::format("{} crack \"{}\"", what.substr(0, what.rfind(" a crack")), name);
+}
+
+}  // namespace
+
+std::string sampled_note(const Model& m) {
+  for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
+    if (!u.stops_bounds)
+      return fmt::format("the bounds are estimates: {} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
+  return {};
+}
+
+std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data,
+                                       const Shape& shape) {
+  std::vector<std::string> notes;
+  for (const UnseenData& u : unseen_data(mesh, scene, data))
+    notes.push_back(fmt::format(
+        "{} {} near ({:.6g}, {:.6g}): {}",
+        u.label != none   ? fmt::format("{} on \"{}\"", u.what, shape.labels[u.label])
+        : u.crack != none ? in_crack(u.what, shape.cracks[u.crack].name)
+                          : u.what,
+        u.how, u.at.x(), u.at.y(),
+        u.stops_bounds ? "no error that is claimed can be trusted there" : "what lies between them is not seen"));
+  return notes;
+}
+
+void require_energy(double energy, bool has_stress) {
+  const bool underflow = energy == 0 && has_stress;
+  if (std::isfinite(energy) && !underflow) return;
+  throw Error(Fault::Numerics, fmt::format("the strain energy is too {} for the numbers of a computer; check the units "
+                                           "of young, of the loads and of the prescribed displacements",
+                                           underflow ? "small" : "large"));
+}
+
+bool has_stress(const Model& model, const State& state) {
+  const auto stress = state.interior.topRows(stress_count(model.element));
+  return stress.size() > 0 && stress.cwiseAbs().maxCoeff() > 0;
+}
+
+std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) {
+  std::vector<std::string> notes;
+  for (const CrackResult& crack : cracks)
+    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
+      notes.push_back(
+          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
+                      "contact = \"unilateral\" prevents it",
+                      crack.name, crack.penetration));
+  return notes;
+}
+
+std::string note_on_loads(const Scene& scene, const Shape& shape) {
+  const bool by_faces = std::ranges::any_of(scene.laws, [](const CrackLaw& law) { return has_gap(law); });
+  if (has_eigenstrain(scene) || by_faces || !nothing_acts(scene, shape)) return {};
+  return "nothing acts on the body, and its displacements and stresses are 0: give it a traction, a pressure, a body "
+         "force, an eigenstrain or a prescribed displacement that is not 0";
+}
+
+std::string note_on_size(const Case& c, std::size_t triangles) {
+  if (c.mesh || !(c.sizing.size > 0)) return {};
+  Vec2 low = c.shape.outline.sides.front().start, high = low;
+  for (const Side& side : c.shape.outline.sides) low = low.cwiseMin(side.start), high = high.cwiseMax(side.start);
+  for (const Arc& arc : arcs_of(c.shape))
+    for (const Vec2& x : points_on(arc, 8)) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double width = (high - low).minCoeff();
+  constexpr double resolved = 0.1;
+  if (!(c.sizing.size >= width)) return {};
+  return fmt::format(
+      "mesh.size = {:.3g} is no smaller than the body is wide, {:.3g}: the mesh has {} triangles, as few as its "
+      "corners "
+      "and cracks allow, and resolves no field; take {:.2g} or less",
+      c.sizing.size, width, triangles, resolved * width);
+}
+
+std::string note_on_points(const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
+  const std::vector<Index> found = locate(mesh, points);
+  const auto lost = std::ranges::count(found, none);
+  if (lost == 0) return {};
+  const Vec2& first = points[static_cast<std::size_t>(std::ranges::find(found, none) - found.begin())];
+  return fmt::format("{}: {} of {} points lie outside the body, the first at ({:.6g}, {:.6g}): there is no value there",
+                     whose, lost, points.size(), first.x(), first.y());
+}
+
+std::vector<std::string> notes_on_files(const Case& c) {
+  std::vector<std::string> notes = c.file_notes;
+  if (!c.mesh) {
+    const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
+    notes.insert(notes.end(), crowded.begin(), crowded.end());
+    return notes;
+  }
+  constexpr std::string_view unlike =
+      "the mesh of domain.file is used as it is: with friction K_II may be wrong by up to a tenth at tips where it is "
+      "not its own mirror image in the crack";
+  if (c.sizing.mirrored_tips) notes.emplace_back(unlike);
+  return notes;
+}
+
+namespace {
+
+void add_seconds(const Adapted& adapted, Seconds& seconds) {
+  for (const Round& round : adapted.rounds) {
+    seconds.mesh += round.mesh;
+    seconds.assemble += round.assemble;
+    seconds.factor += round.factor;
+    seconds.solve += round.solve - round.contact;
+    seconds.contact += round.contact;
+    seconds.estimate += round.estimate;
+  }
+}
+
+}  // namespace
+
+Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal) {
+  journal.begin("mesh");
+  Adapted adapted = solve_graded(body.shape, body.sizing, body.element, body.scene, how);
+  add_seconds(adapted, journal.seconds);
+  return adapted;
+}
+
+Adapted solve_refined(const Body& body, Adaptation how, Journal& journal) {
+  journal.begin("solve and refine");
+  int number = 0;
+  how.go_on = [&](const Round& round) {
+    if (stop_requested()) return false;
+    journal.begin(fmt::format("refine: round {}, {} triangles, estimated error {:.3g}", ++number, round.triangles,
+                              round.estimated_error));
+    return true;
+  };
+  Adapted adapted = solve_adaptively(body.shape, body.sizing, body.element, body.scene, how);
+  add_seconds(adapted, journal.seconds);
+  return adapted;
+}
+
+AdaptResult adapt_result(const Adapted& adapted) {
+  AdaptResult r{.stopped = adapted.stopped};
+  for (const Round& round : adapted.rounds) r.rounds.emplace_back(round.triangles, round.estimated_error);
+  return r;
+}
+
+void add_resultants(const Model& model, const std::vector<LabelResultant>& reactions, const Shape& shape,
+                    StateResult& out) {
+  Resultant sum;
+  const auto named = [&](const std::vector<LabelResultant>& all) {
+    std::vector<ResultantResult> result;
+    for (const LabelResultant& r : all) {
+      result.push_back({shape.labels[r.label], r.of.force, r.of.moment});
+      sum.add(r.of);
+    }
+    return result;
+  };
+  const Bows& bows = model.inner->skeleton.bows;
+  out.loads = named(traction_resultants(model.mesh, bows, model.scene, model.inner->data));
+  out.reactions = named(reactions);
+  if (model.scene.body) {
+    const Resultant body = body_resultant(model.mesh, bows, model.scene, model.inner->data, model.inner->kernel.load);
+    out.body = ResultantResult{"", body.force, body.moment};
+    sum.add(body);
+  }
+  out.balance = ResultantResult{"", sum.force, sum.moment};
+}
+
+void draw_chords(Case& c, const std::string& why) {
+  c.sizing.curved = false;
+  if (c.mesh) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
+  c.why_chords = why;
+}
+
+bool is_of_polygon(const Shape& shape, const Mesh& mesh) {
+  return !arcs_of(shape).empty() && mesh.arc.empty();
+}
+
+namespace {
+
+/// Measured on 89 random bodies with holes, fillets, slots and rings, meshes by default, bdms: the largest von Mises
+/// stress of chords against the truth, least and largest difference. docs/method.md has the table.
+std::string chords_may_cost(const Element& e) {
+  if (e.name != "bdms" && e.name != "afw") return "is that of a polygon, and may be off by a tenth and more";
+  return e.degree == 1   ? "may be 9 % too small to 5 % too large"
+         : e.degree == 2 ? "may be up to 18 % too large"
+                         : "may be 5 to 22 % too large";
+}
+
+}  // namespace
+
+std::string note_on_drawing(const Case& c, const Model& model) {
+  if (!is_of_polygon(c.shape, model.mesh) || c.why_chords.empty()) return {};
+  return fmt::format("curved sides are drawn by chords, because {}: the largest stress on them {}", c.why_chords,
+                     chords_may_cost(model.element));
+}
+
+StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal) {
+  const Model& model = adapted.model;
+  const State& state = adapted.state;
+  const Shape& shape = c.shape;
+  StateSection s{state_result(model, state, adapted.indicator), {}, {}};
+  journal.seconds.recover += journal.lap();
+  if (c.output.energy_bounds) {
+    EnergyBounds bounds = energy_bounds(model, state);
+    if (const std::string sampled = sampled_note(model); bounds.guaranteed && !sampled.empty())
+      bounds.guaranteed = false, bounds.note = sampled;
+    add_energy_bounds(bounds, s.state);
+    journal.seconds.energy_bounds += journal.lap();
+  }
+  s.cracks = crack_results(model, state, shape, c.output.tips);
+  (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
+  s.state.of_polygon = is_of_polygon(shape, model.mesh);
+  add_resultants(model, reactions(model, state), shape, s.state);
+  for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
+    s.state.notes.push_back(note);
+  for (const std::string& note : notes_on_faces(s.cracks)) s.state.notes.push_back(note);
+  if (const std::string note = note_on_drawing(c, model); !note.empty()) s.state.notes.push_back(note);
+  // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
+  const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
+  const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet
+                             : model.inner->standing.empty() ? c.contact
+                                                             : ContactMethod::DualQp;
+  if (has_contact(model.scene)) s.contact = contact_result(state, used, s.cracks);
+  return s;
+}
+
+void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,
+                 Journal& journal) {
+  if (!stop_requested()) journal.begin("write the state");
+  write_state_files(journal, adapted, data, cracks);
+  journal.picture("mesh.png", [&] { return mesh_picture(journal.title, adapted.model.mesh); });
+  journal.picture("von_mises.png", [&] { return stress_picture(journal.title_of_state(), adapted.model, data); });
+  journal.seconds.output += journal.lap();
+}
+
+std::string failure(const Model& model, const State& state) {
+  const Certificate& c = state.certificate;
+  std::string reason =
+      !state.converged ? "the contact set did not settle"
+      : c.kkt > no_digits
+          ? fmt::format("the {} hold only to {:.2g} of the load",
+                        has_contact(model.scene) ? "conditions of equilibrium and contact" : "equations of equilibrium",
+                        c.kkt)
+          : fmt::format("the work of the loads is twice the strain energy only to {:.2g}", c.work);
+  if (!model.inner->skeleton.unseen.empty())
+    reason +=
+        "; the traces of \"arnold-winther\" at vertices whose edges lie on two lines bear only loads that fit "
+        "one symmetric stress there: use \"bdms\" with degree = 3";
+  return reason;
+}
+
+}  // namespace kerf

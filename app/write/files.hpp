@@ -1,0 +1,43 @@
+#pragma once
+// The files of a run, but for result.json and the page.
+
+#include "app/run/bounds.hpp"
+#include "app/run/map.hpp"
+#include "kerf/case_file.hpp"
+
+namespace kerf {
+
+/// state.vtu, crack_<name>.csv and .vtp.
+void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
+                       const std::vector<CrackResult>& cracks);
+
+/// crack_<name>.csv and .vtp.
+void write_crack_files(const Journal& journal, const std::vector<CrackResult>& cracks);
+
+/// design.toml, design.svg and design.dxf: what an optimization of the case ended with.
+void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r);
+
+/// bounds.csv; bounds.vtp: the points with lower and upper of each quantity.
+void write_bounds_files(const Journal& journal, const BoundsResult& bounds);
+
+/// At the corners and at the centroids.
+std::vector<NamedField> map_fields(const Mapped& map);
+
+/// map.vtu; map.csv at the asked points, or at all corners.
+void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
+                     const PlotData& data);
+/// map.csv alone.
+void write_map_table(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
+                     const PlotData& data);
+
+/// x, y, the state and a derivative at a point; NaN for what is not known: all of it outside the body.
+std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x, double derivative);
+/// Of all points of a probe, with the map of the task unless `analysis` is null.
+std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const MapTask& task,
+                                            const Analysis* analysis);
+/// A probe_<name>.csv of these rows. Where the probe asks for bounds: those of the stresses, in the order of its
+/// points.
+void write_probe_file(const Journal& journal, const Probe& probe, std::vector<std::vector<double>> rows,
+                      const std::vector<BoundedStress>& bounded);
+
+}  // namespace kerf

@@ -1,0 +1,634 @@
+#include "bench/command/records.hpp"
+
+#include "io/files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace kerf {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json run_section(const StateMeasurement& m) {
+  const PhaseSeconds& s = m.seconds;
+  return {{"case", m.problem},
+          {"poisson", m.poisson},
+          {"element", m.element},
+          {"degree", m.degree},
+          {"mesh", m.mesh},
+          {"level", m.level},
+          {"h", number(m.h)},
+          {"triangles", m.triangles},
+          {"unknowns", m.unknowns},
+          {"condensed_unknowns", m.condensed_unknowns},
+          {"mesh_s", number(s.mesh)},
+          {"assemble_s", number(s.assemble)},
+          {"factor_s", number(s.factor)},
+          {"solve_s", number(s.solve)},
+          {"contact_s", number(s.contact)},
+          {"recover_s", number(s.recover)},
+          {"work_s", number(s.work())},
+          {"memory_mb", number(m.memory_mb)},
+          {"stress_error", number(m.error.stress)},
+          {"displacement_error", number(m.error.displacement)},
+          {"contact_iterations", m.contact_iterations},
+          {"certified", m.certified}};
+}
+
+Json hard_section(const HardRow& r) {
+  return {{"family", r.family},
+          {"knob", r.label},
+          {"value", number(r.value)},
+          {"verdict", name_of(r.verdict)},
+          {"exit", r.exit},
+          {"error", number(r.error)},
+          {"allowed", number(r.allowed)},
+          {"digits_lost", number(r.digits)},
+          {"estimated_error", number(r.estimated)},
+          {"residual", number(r.residual)},
+          {"work_error", number(r.work)},
+          {"triangles", r.triangles},
+          {"seconds", number(r.seconds)},
+          {"slower", number(r.slower)},
+          {"said", r.said}};
+}
+
+Json proof_section(const ProofRow& r) {
+  return {{"case", r.problem},          {"mesh", r.mesh},           {"degree", r.degree},
+          {"triangles", r.triangles},   {"quantity", r.quantity},   {"exact", number(r.exact)},
+          {"lower", number(r.lower)},   {"upper", number(r.upper)}, {"half_width", number(r.relative)},
+          {"guaranteed", r.guaranteed}, {"contained", r.contained}, {"cost", number(r.cost)}};
+}
+
+Json contact_section(const ContactRow& r) {
+  return {{"family", r.family},
+          {"knob", r.knob},
+          {"friction", r.friction},
+          {"triangles", r.triangles},
+          {"contact_unknowns", r.unknowns},
+          {"sets", r.sets},
+          {"linear_solves", r.solves},
+          {"linear_s", number(r.linear_s)},
+          {"contact_s", number(r.contact_s)},
+          {"ratio", number(r.ratio())},
+          {"memory_mb", number(r.memory_mb)},
+          {"kkt", number(r.kkt)},
+          {"certified", r.certified},
+          {"refused", r.refused}};
+}
+
+Json machine_section(const MachineRow& r) {
+  return {{"family", r.family},
+          {"parts", r.parts},
+          {"element", r.element},
+          {"degree", r.degree},
+          {"poisson", r.poisson},
+          {"contrast", r.contrast},
+          {"cracks", r.cracks},
+          {"across", number(r.across)},
+          {"triangles", r.triangles},
+          {"unknowns", r.unknowns},
+          {"iterations", r.iterations},
+          {"condition", number(r.condition)},
+          {"interface_unknowns", r.interface_unknowns},
+          {"primal_unknowns", r.primal_unknowns},
+          {"bytes_per_iteration", number(r.sent)},
+          {"first_mb", number(r.first_mb)},
+          {"others_mb", number(r.others_mb)},
+          {"parts_s", number(r.parts_s)},
+          {"iterate_s", number(r.iterate_s)},
+          {"factor_s", number(r.factor_s)},
+          {"off", number(r.off)},
+          {"refused", r.refused}};
+}
+
+MachineRow machine_row(const Json& from) {
+  const auto real = [&from](const char* name) { return from[name].is_number() ? from[name].get<double>() : nan; };
+  return {.family = from["family"],
+          .parts = from["parts"],
+          .element = from["element"],
+          .degree = from["degree"],
+          .poisson = from["poisson"],
+          .contrast = from["contrast"],
+          .cracks = from["cracks"],
+          .across = real("across"),
+          .triangles = from["triangles"],
+          .unknowns = from["unknowns"],
+          .iterations = from["iterations"],
+          .condition = real("condition"),
+          .interface_unknowns = from["interface_unknowns"],
+          .primal_unknowns = from["primal_unknowns"],
+          .sent = real("bytes_per_iteration"),
+          .first_mb = real("first_mb"),
+          .others_mb = real("others_mb"),
+          .parts_s = real("parts_s"),
+          .iterate_s = real("iterate_s"),
+          .factor_s = real("factor_s"),
+          .off = real("off"),
+          .refused = from["refused"]};
+}
+
+Json second_section(const SecondTermRow& r) {
+  return {{"change", r.change},
+          {"degree", r.degree},
+          {"triangles", r.triangles},
+          {"x", r.at.x()},
+          {"y", r.at.y()},
+          {"T_exact", number(r.T_exact)},
+          {"T", number(r.T)},
+          {"c2_exact", number(r.c2_exact)},
+          {"c2", number(r.c2)},
+          {"c2_off_by", number(r.error)},
+          {"radius", number(r.radius)},
+          {"left_by_first", number(r.left_by_first)},
+          {"left_by_second", number(r.left_by_second)}};
+}
+
+Json phase_section(const LimitRow& r, const LimitPhase& p) {
+  return {{"triangles", r.triangles},
+          {"threads", r.threads},
+          {"phase", p.name},
+          {"wall_s", number(p.wall_s)},
+          {"processor_s", number(p.processor_s)}};
+}
+
+Json limit_section(const LimitRow& r) {
+  Json phases = Json::object();
+  for (const LimitPhase& p : r.phases)
+    phases[p.name] = {{"wall_s", number(p.wall_s)}, {"processor_s", number(p.processor_s)}};
+  return {{"triangles", r.triangles},
+          {"threads", r.threads},
+          {"wall_s", number(r.wall())},
+          {"processor_s", number(r.processor())},
+          {"factor_flops", number(r.factor_flops)},
+          {"dgemm_flops_per_s", number(r.dgemm_rate)},
+          {"limit_s", number(r.limit())},
+          {"memory_mb", number(r.memory_mb)},
+          {"bytes_per_triangle", number(r.bytes_per_triangle())},
+          {"certified", r.certified},
+          {"phases", std::move(phases)}};
+}
+
+Json map_section(const MapMeasurement& m) {
+  return {{"case", m.problem},
+          {"poisson", m.poisson},
+          {"element", m.element},
+          {"degree", m.degree},
+          {"mesh", m.mesh},
+          {"level", m.level},
+          {"triangles", m.triangles},
+          {"mesh_s", number(m.state.mesh)},
+          {"assemble_s", number(m.state.assemble)},
+          {"factor_s", number(m.state.factor)},
+          {"solve_s", number(m.state.solve)},
+          {"contact_s", number(m.state.contact)},
+          {"value_s", number(m.value_s)},
+          {"evaluate_s", number(m.evaluate_s)},
+          {"evaluation_share", number(m.evaluation_share())},
+          {"adjoint_s", number(m.adjoint_s)},
+          {"evaluate_dual_s", number(m.evaluate_dual_s)},
+          {"work_s", number(m.work())},
+          {"memory_mb", number(m.memory_mb)},
+          {"value", number(m.value)},
+          {"map_error", number(m.error)},
+          {"certified", m.certified}};
+}
+
+Json design_section(const Row& row) {
+  const DesignRun& r = *row.run;
+  const DesignVerdict& c = r.verdict;
+  const auto over = [&](const DesignRun* other) { return other ? number(r.value / other->value) : Json(nullptr); };
+  const auto own = [&](double value) { return r.own ? number(value) : Json(nullptr); };
+  return {{"case", r.problem},
+          {"tool", r.tool},
+          {"variant", r.variant},
+          {"iterations", r.iterations},
+          {"state_solves", r.state_solves},
+          {"cpu_s", number(r.seconds)},
+          {"own_value", number(r.own_value)},
+          {"value", number(r.value)},
+          {"over_best_peer", over(row.peer)},
+          {"over_best_known", over(row.known)},
+          {"compliance", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.compliance)},
+          {"compliance_least", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.least)},
+          {"compliance_most", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.most)},
+          {"volume", r.last.mesh.triangles.empty() ? Json(nullptr) : number(r.last.volume)},
+          {"triangles", r.last.mesh.triangles.size()},
+          {"near_iterations", r.near.iteration},
+          {"near_state_solves", r.near.state_solves},
+          {"near_cpu_s", number(r.near.seconds)},
+          {"simp_50_cpu_s", row.usual ? number(row.usual->seconds) : Json(nullptr)},
+          {"shape_residual", own(c.residual)},
+          {"hole_margin", own(c.margin)},
+          {"finer_objective", own(c.finer)},
+          {"finer_change", own(c.change)},
+          {"ending", r.own ? Json(word(c.ending)) : Json(nullptr)},
+          {"feasible", r.own ? Json(c.feasible) : Json(nullptr)},
+          {"stopped", r.stopped}};
+}
+
+/// Of all runs; those of other programs beside nothing.
+std::vector<Json> design_sections(const OptimizeBench& bench) {
+  std::vector<Json> out;
+  for (const Row& row : rows(bench)) out.push_back(design_section(row));
+  for (const DesignRun& r : bench.runs)
+    if (!r.own) out.push_back(design_section({.run = &r}));
+  return out;
+}
+
+Json point_section(const DesignRun& r, const DesignPoint& p) {
+  return {{"case", r.problem},
+          {"tool", r.tool},
+          {"variant", r.variant},
+          {"iteration", p.iteration},
+          {"state_solves", p.state_solves},
+          {"cpu_s", number(p.seconds)},
+          {"value", number(p.value)},
+          {"volume", number(p.volume)}};
+}
+
+Json spread_run_section(const std::string& problem, const SpreadRun& r) {
+  return {{"case", problem},
+          {"start", r.start},
+          {"size", r.size},
+          {"budget", r.budget},
+          {"loads", r.loads},
+          {"state_solves", r.state_solves},
+          {"cpu_s", number(r.seconds)},
+          {"value", number(r.value)},
+          {"volume", number(r.volume)},
+          {"ending", word(r.ending)},
+          {"feasible", r.feasible}};
+}
+
+Json spread_section(const Spread& spread) {
+  const SpreadSummary s = summarize(spread);
+  Json runs = Json::array();
+  for (const SpreadRun& r : spread.runs) runs.push_back(spread_run_section(spread.problem, r));
+  return {{"case", spread.problem},      {"least", number(s.least)},
+          {"most", number(s.most)},      {"default", number(s.usual)},
+          {"infeasible", s.infeasible},  {"rounding", number(s.rounding)},
+          {"failures", spread.failures}, {"runs", runs}};
+}
+
+Json published_section(const PublishedRun& r) {
+  return {{"method", r.method},
+          {"start", r.start},
+          {"iterations", r.iterations},
+          {"state_solves", r.state_solves},
+          {"cpu_s", number(r.seconds)},
+          {"objective", number(r.objective)},
+          {"compliance", number(r.compliance)},
+          {"volume", number(r.volume)},
+          {"body_fitted_objective", number(r.judged)},
+          {"stopped", r.stopped}};
+}
+
+Json validation_section(const ValidationMeasurement& v) {
+  return {{"case", v.problem},
+          {"poisson", v.poisson},
+          {"functional", v.functional},
+          {"triangles", v.triangles},
+          {"points", v.points},
+          {"radii", v.radii},
+          {"state_s", number(v.state.work())},
+          {"validate_s", number(v.validate_s)},
+          {"validate_over_state", number(v.ratio())},
+          {"memory_mb", number(v.memory_mb)},
+          {"holds", v.holds},
+          {"fails", v.fails},
+          {"out_of_range", v.out_of_range}};
+}
+
+/// A cell of a table: in quotes where it has to be.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + '"';
+}
+
+/// Columns as in `empty`, one row each.
+std::string csv(const Json& empty, const std::vector<Json>& rows) {
+  std::string out;
+  for (const auto& [name, value] : empty.items()) out += (out.empty() ? "" : ",") + name;
+  out += '\n';
+  for (const Json& cells : rows) {
+    std::string row;
+    for (const auto& [name, value] : cells.items()) {
+      if (!row.empty()) row += ',';
+      row += value.is_string() ? quoted(value.get<std::string>()) : value.is_null() ? "" : value.dump();
+    }
+    out += row + '\n';
+  }
+  return out;
+}
+
+const char* word(TimeTo::Kind kind) {
+  switch (kind) {
+    case TimeTo::Kind::Interpolated:
+      return "interpolated";
+    case TimeTo::Kind::AtMost:
+      return "at most";
+    case TimeTo::Kind::Extrapolated:
+      return "extrapolated";
+    case TimeTo::Kind::Missed:
+      break;
+  }
+  return "missed";
+}
+
+Json fastest_section(const std::vector<Fastest>& all) {
+  Json out = Json::array();
+  for (const Fastest& f : all)
+    out.push_back({{"case", f.problem},
+                   {"poisson", f.poisson},
+                   {"error", f.error},
+                   {"name", f.name},
+                   {"seconds", number(f.time.seconds)},
+                   {"kind", word(f.time.kind)}});
+  return out;
+}
+
+Json ratio_section(const std::vector<Fastest>& best, const std::vector<Fastest>& best_peers) {
+  Json out = Json::array();
+  for (const Fastest& f : best)
+    for (const Fastest& p : best_peers)
+      if (p.problem == f.problem && p.poisson == f.poisson && p.error == f.error &&
+          p.time.kind != TimeTo::Kind::Missed && f.time.kind != TimeTo::Kind::Missed)
+        out.push_back({{"case", f.problem},
+                       {"poisson", f.poisson},
+                       {"error", f.error},
+                       {"peer", p.name},
+                       {"peer_kind", word(p.time.kind)},
+                       {"kerf", f.name},
+                       {"kerf_kind", word(f.time.kind)},
+                       {"peer_over_kerf", number(p.time.seconds / f.time.seconds)}});
+  return out;
+}
+
+// What every bench says of another program's run.
+Json peer_section(const PeerRun& p) {
+  return {{"case", p.problem},        {"poisson", p.poisson},   {"name", p.name},
+          {"triangles", p.triangles}, {"unknowns", p.unknowns}, {"work_s", number(p.work)}};
+}
+
+}  // namespace
+
+void write_state_csv(const std::filesystem::path& path, const StateBench& bench) {
+  std::vector<Json> rows;
+  for (const StateMeasurement& m : bench.runs) rows.push_back(run_section(m));
+  write_file(path, csv(run_section({}), rows));
+}
+
+void write_state_json(const std::filesystem::path& path, const StateBench& bench) {
+  Json out = {{"schema", 1}, {"bench", "state"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  out["references"] = Json::array();
+  for (const ReferenceUsed& r : bench.references)
+    out["references"].push_back({{"case", r.problem},
+                                 {"poisson", r.poisson},
+                                 {"points", r.points},
+                                 {"strain_energy", number(r.strain_energy)},
+                                 {"known_energy", r.known_energy > 0 ? Json(r.known_energy) : Json(nullptr)},
+                                 {"estimated_stress_error", number(r.error)}});
+  out["runs"] = Json::array();
+  for (const StateMeasurement& m : bench.runs) out["runs"].push_back(run_section(m));
+  out["fastest"] = fastest_section(bench.best);
+  out["peers"] = Json::array();
+  for (const PeerRun& p : bench.peers) {
+    Json section = peer_section(p);
+    section["stress_error"] = number(p.error);
+    out["peers"].push_back(std::move(section));
+  }
+  out["fastest_peers"] = fastest_section(bench.best_peers);
+  out["ratios"] = ratio_section(bench.best, bench.best_peers);
+  out["notes"] = bench.notes;
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+void write_map_csv(const std::filesystem::path& path, const MapBench& bench) {
+  std::vector<Json> rows;
+  for (const auto* runs : {&bench.sequences, &bench.sizes})
+    for (const MapMeasurement& m : *runs) rows.push_back(map_section(m));
+  write_file(path, csv(map_section({}), rows));
+}
+
+void write_validation_csv(const std::filesystem::path& path, const MapBench& bench) {
+  std::vector<Json> rows;
+  for (const ValidationMeasurement& v : bench.validations) rows.push_back(validation_section(v));
+  write_file(path, csv(validation_section({}), rows));
+}
+
+void write_hard_csv(const std::filesystem::path& path, const HardBench& bench) {
+  std::vector<Json> rows;
+  for (const HardRow& r : bench.rows) rows.push_back(hard_section(r));
+  write_file(path, csv(hard_section({}), rows));
+}
+
+void write_contact_csv(const std::filesystem::path& path, const ContactBench& bench) {
+  std::vector<Json> rows;
+  for (const ContactRow& r : bench.rows) rows.push_back(contact_section(r));
+  write_file(path, csv(contact_section({}), rows));
+}
+
+void write_contact_json(const std::filesystem::path& path, const ContactBench& bench) {
+  Json out = {{"schema", 1},
+              {"bench", "contact"},
+              {"status", bench.stopped ? "stopped" : "ok"},
+              {"quick", bench.quick},
+              {"rows", Json::array()}};
+  for (const ContactRow& r : bench.rows) out["rows"].push_back(contact_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+void write_proof_csv(const std::filesystem::path& path, const ProofBench& bench) {
+  std::vector<Json> rows;
+  for (const ProofRow& r : bench.rows) rows.push_back(proof_section(r));
+  write_file(path, csv(proof_section({}), rows));
+}
+
+void write_second_terms_csv(const std::filesystem::path& path, const ProofBench& bench) {
+  std::vector<Json> rows;
+  for (const SecondTermRow& r : bench.second) rows.push_back(second_section(r));
+  write_file(path, csv(second_section({}), rows));
+}
+
+void write_proof_json(const std::filesystem::path& path, const ProofBench& bench) {
+  Json out = {{"schema", 1},
+              {"bench", "proof"},
+              {"status", bench.stopped         ? "stopped"
+                         : failures(bench) > 0 ? "failed"
+                                               : "ok"},
+              {"quick", bench.quick},
+              {"rows", Json::array()}};
+  for (const ProofRow& r : bench.rows) out["rows"].push_back(proof_section(r));
+  out["second_terms"] = Json::array();
+  for (const SecondTermRow& r : bench.second) out["second_terms"].push_back(second_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench) {
+  std::vector<Json> rows;
+  for (const LimitRow& r : bench.rows)
+    for (const LimitPhase& p : r.phases) rows.push_back(phase_section(r, p));
+  write_file(path, csv(phase_section({}, {""}), rows));
+}
+
+void write_limit_json(const std::filesystem::path& path, const LimitBench& bench) {
+  const auto memory = [](const LimitRow& r) { return r.memory_mb - r.before_mb; };
+  Json out = {
+      {"schema", 1},
+      {"bench", "limit"},
+      {"status", bench.stopped ? "stopped" : "ok"},
+      {"time_grows_like", {number(growth(bench, 1, &LimitRow::wall)), number(growth(bench, 2, &LimitRow::wall))}},
+      {"memory_grows_like", number(growth(bench, 1, memory))},
+      {"rows", Json::array()}};
+  for (const LimitRow& r : bench.rows) out["rows"].push_back(limit_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+void write_machines_csv(const std::filesystem::path& path, const MachineBench& bench) {
+  std::vector<Json> rows;
+  for (const MachineRow& r : bench.rows) rows.push_back(machine_section(r));
+  write_file(path, csv(machine_section({}), rows));
+}
+
+void write_machines_json(const std::filesystem::path& path, const MachineBench& bench) {
+  Json out = {{"schema", 1},          {"bench", "machines"},  {"status", bench.stopped ? "stopped" : "ok"},
+              {"quick", bench.quick}, {"notes", bench.notes}, {"rows", Json::array()}};
+  for (const MachineRow& r : bench.rows) out["rows"].push_back(machine_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+std::vector<MachineRow> read_machines_json(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  const Json all = Json::parse(file, nullptr, false);
+  std::vector<MachineRow> rows;
+  if (!all.is_discarded() && all.contains("rows"))
+    for (const Json& row : all["rows"]) rows.push_back(machine_row(row));
+  return rows;
+}
+
+void write_hard_json(const std::filesystem::path& path, const HardBench& bench) {
+  Json out = {{"schema", 1},
+              {"bench", "hard"},
+              {"status", bench.stopped         ? "stopped"
+                         : failures(bench) > 0 ? "failed"
+                                               : "ok"},
+              {"quick", bench.quick},
+              {"rows", Json::array()}};
+  for (const HardRow& r : bench.rows) out["rows"].push_back(hard_section(r));
+  write_file(path, out.dump(2) + "\n");
+}
+
+void write_map_json(const std::filesystem::path& path, const MapBench& bench) {
+  Json out = {{"schema", 1}, {"bench", "map"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  const auto list = [&](const char* name, const std::vector<MapMeasurement>& runs) {
+    out[name] = Json::array();
+    for (const MapMeasurement& m : runs) out[name].push_back(map_section(m));
+  };
+  list("sequences", bench.sequences);
+  list("sizes", bench.sizes);
+  out["validations"] = Json::array();
+  for (const ValidationMeasurement& v : bench.validations) out["validations"].push_back(validation_section(v));
+  out["fastest"] = fastest_section(bench.best);
+  out["peers"] = Json::array();
+  for (const PeerRun& p : bench.peers) {
+    Json section = peer_section(p);
+    section["evaluate_s"] = number(p.post);
+    section["memory_mb"] = number(p.memory_mb);
+    section["value"] = p.value == 0 ? Json(nullptr) : number(p.value);
+    section["map_error"] = p.error > 0 ? number(p.error) : Json(nullptr);
+    out["peers"].push_back(std::move(section));
+  }
+  out["fastest_peers"] = fastest_section(bench.best_peers);
+  out["ratios"] = ratio_section(bench.best, bench.best_peers);
+  out["notes"] = bench.notes;
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+void write_optimize_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
+  const DesignRun none;
+  write_file(path, csv(design_section({.run = &none}), design_sections(bench)));
+}
+
+void write_optimize_curves_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
+  std::vector<Json> rows;
+  for (const DesignRun& r : bench.runs)
+    for (const DesignPoint& p : r.curve) rows.push_back(point_section(r, p));
+  write_file(path, csv(point_section({}, {}), rows));
+}
+
+void write_optimize_spread_csv(const std::filesystem::path& path, const OptimizeBench& bench) {
+  std::vector<Json> rows;
+  for (const Spread& spread : bench.spreads)
+    for (const SpreadRun& r : spread.runs) rows.push_back(spread_run_section(spread.problem, r));
+  write_file(path, csv(spread_run_section({}, {}), rows));
+}
+
+void write_optimize_json(const std::filesystem::path& path, const OptimizeBench& bench) {
+  Json out = {{"schema", 1}, {"bench", "optimize"}, {"status", bench.stopped ? "stopped" : "ok"}, {"threads", 1}};
+  out["runs"] = design_sections(bench);
+  out["spreads"] = Json::array();
+  for (const Spread& spread : bench.spreads) out["spreads"].push_back(spread_section(spread));
+  out["published"] = {{"least_objective", published.least_value},
+                      {"most_objective", published.most_value},
+                      {"fewest_state_solves", published.fewest_solves},
+                      {"most_state_solves", published.most_solves},
+                      {"runs", Json::array()}};
+  for (const PublishedRun& r : bench.published) out["published"]["runs"].push_back(published_section(r));
+  if (bench.remeshing) {
+    const Remeshing& r = *bench.remeshing;
+    out["remeshing"] = {{"triangles", r.triangles},     {"iterations", r.iterations}, {"iteration_s", r.iteration_s},
+                        {"carve_s", number(r.carve_s)}, {"mesh_s", number(r.mesh_s)}, {"share", number(r.share())}};
+  }
+  if (bench.random) {
+    const RandomDesigns& r = *bench.random;
+    out["random_designs"] = {{"count", r.count},     {"meshed", r.meshed}, {"refused", r.refused},
+                             {"failed", r.failures}, {"cpu_s", r.seconds}, {"slowest_s", r.slowest}};
+  }
+  out["notes"] = bench.notes;
+  write_file(path, out.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+std::string last_line(const std::string& output) {
+  std::istringstream lines(output);
+  std::string last;
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) last = line;
+  return last.substr(0, 200);
+}
+
+std::optional<PeerRun> read_peer_line(const std::string& output) {
+  std::istringstream lines(output);
+  std::optional<PeerRun> found;
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = line.starts_with("{") ? Json::parse(line, nullptr, false) : Json();
+    if (!json.is_object()) continue;
+    const auto value = [&](const char* key) {
+      const auto at = json.find(key);
+      return at != json.end() && at->is_number() ? at->get<double>() : 0.0;
+    };
+    const double error = std::max(value("err_s"), value("err_map"));
+    if (!(error > 0) && !(std::abs(value("J")) > 0)) continue;
+    found = PeerRun{.triangles = static_cast<long>(value("nt")),
+                    .unknowns = static_cast<long>(value("ndof")),
+                    .work = value("t_mesh") + value("t_asm") + value("t_solve") + value("t_post"),
+                    .post = value("t_post"),
+                    .error = error,
+                    .value = value("J")};
+  }
+  return found;
+}
+
+}  // namespace kerf
