@@ -1,3 +1,6 @@
+// Keeps freed memory within the process while a loop over designs runs: limits of glibc's malloc, and a list of the
+// largest blocks (factors) for the next design.
+
 #include "base/kept_memory.hpp"
 
 #include <limits>

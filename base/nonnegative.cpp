@@ -1,3 +1,6 @@
+// min |A x - b| over x >= 0 by the active set of [Lawson, Hanson 1974]: the column of steepest descent enters, columns
+// whose factor would turn negative leave, and the residual falls with each change.
+
 #include "base/nonnegative.hpp"
 
 #include "base/dense.hpp"
@@ -7,6 +10,8 @@
 
 namespace kerf {
 
+// Columns are compared by their slopes per length, with 1e-14 of |b| for nothing. Rounding could let the same column
+// enter again and again, hence the bound on the steps.
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   const Eigen::Index n = A.cols();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);

@@ -1,3 +1,6 @@
+// Loops on several threads whose results do not depend on their number: each item writes its own, and the failure that
+// is told is that of the first item, not of the first thread.
+
 #include "base/parallel.hpp"
 
 #include <algorithm>
@@ -8,6 +11,7 @@
 
 namespace kerf {
 
+// Chunks depend on the number of threads: bodies must not sum over a chunk.
 void parallel_for(Index count, int threads, const std::function<void(Index, Index)>& body) {
   constexpr Index worth_a_thread = 512;
   const Index workers = std::clamp<Index>(count / worth_a_thread, 1, std::max(threads, 1));
@@ -37,6 +41,7 @@ void parallel_tasks(Index count, int threads, const std::function<void(Index)>& 
   Team(static_cast<int>(std::clamp<Index>(count, 1, std::max(threads, 1)))).run(count, body);
 }
 
+// Threads wait between runs, and leave when the team goes.
 Team::Team(int threads) {
   for (int w = 1; w < threads; ++w)
     threads_.emplace_back([this] {

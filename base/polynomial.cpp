@@ -1,3 +1,5 @@
+// Values and derivatives of the monomials x^i y^j, i + j <= k, in the order of base/polynomial.hpp.
+
 #include "base/polynomial.hpp"
 
 namespace kerf {

@@ -1,3 +1,11 @@
+// Quadrature. On [0, 1] Gauss-Legendre rules of n points, exact to degree 2 n - 1: the zeros of P_n by Newton's method
+// on
+//   k P_k = (2 k - 1) x P_(k-1) - (k - 1) P_(k-2),   w_i = 1/((1 - x_i^2) P_n'(x_i)^2),
+// half of the weights on [-1, 1]. On the triangle symmetric rules up to degree 5 [Dunavant 1985], and above products of
+// Gauss rules, collapsed by (r, s) -> (r (1 - s), r s). With k + 1 points on an edge the nodal basis at the points is
+// orthogonal, which makes traces and tractions meet point by point [theory: E.5]; docs/theory/elements.md, section
+// Hybridization.
+
 #include "base/quadrature.hpp"
 
 #include <cmath>
@@ -43,6 +51,7 @@ struct Orbit {  // points (a, b, c) and permutations: 1, 3 (two equal) of them
   double weight, first;
 };
 
+// All weights are positive and all points inside the triangle.
 TriangleRule symmetric(double centroid_weight, std::initializer_list<Orbit> orbits) {
   const int n = (centroid_weight > 0 ? 1 : 0) + 3 * static_cast<int>(orbits.size());
   TriangleRule rule{Points(2, n), Eigen::VectorXd(n)};
@@ -62,6 +71,8 @@ TriangleRule symmetric(double centroid_weight, std::initializer_list<Orbit> orbi
   return rule;
 }
 
+// (r, s) -> (r (1 - s), r s) maps the unit square onto the triangle with Jacobian r: one more point along r integrates
+// that factor.
 TriangleRule collapsed(int degree) {
   const int n = degree / 2 + 1;
   const EdgeRule line = gauss(n), radial = gauss(n + 1);

@@ -1,3 +1,14 @@
+// Contact and friction on the small problem p = S j - r, all but the jumps j in contact eliminated, by an active set
+// [theory: C.5, C.8, C.10]. A row is held (j = 0, p unknown) or moves (p known). After a solve with that set
+//   held -> moves where p is outside of its admissible interval [low, high],
+//   moves -> held where j has the wrong sign for the way it moves,
+// all wrong rows at once: a semismooth Newton method, which usually ends after a few sets. Where it does not: a path
+// through the inside (interior.cpp), then without friction steps to the first row that turns back, each of which lowers
+// 1/2 j'S j - r'j [Lawson, Hanson 1974]; with Coulomb's friction a damped fixed point on given limits. Coulomb's limits
+// at sliding points follow the pressures of the same solve: an affine fixed point per set, by GMRES [Saad, Schultz
+// 1986]. The algorithm knows S through `Eliminated::solve` alone: dense.cpp has it dense, solver/system/held.hpp does
+// not. Derived in docs/theory/contact.md, sections Algorithms and Friction.
+
 #include "solver/contact/contact.hpp"
 
 #include "solver/contact/gmres.hpp"
@@ -15,6 +26,7 @@ namespace {
 // Accuracy of Coulomb's limits relative to the load, while sets still change and in the end.
 constexpr double rough = 1e-4, exact = 1e-15;
 
+// What a search has spent, and the size of the forces that its tolerances are relative to.
 struct Search {
   const Eliminated& system;
   double load = 0;  // max|r|
@@ -35,6 +47,7 @@ double sign(Motion m) {
   return static_cast<double>(m);
 }
 
+// Elsewhere no given force follows a pressure: an open point has none, and the force of a sticking row is unknown.
 bool slips(const ContactPoint& p, const std::vector<Motion>& motion) {
   return p.friction > 0 && p.tangential != none && motion[p.normal] == Motion::Held &&
          motion[p.tangential] != Motion::Held;
@@ -72,6 +85,9 @@ Eigen::VectorXd pressures(const std::vector<ContactPoint>& points, const Eigen::
 
 // The response of the set with the limits of the slipping points at its own pressures, to `accuracy` of the load: an
 // affine fixed point.
+// With x the pressures of the slipping points, the pressures of the solve at limits from x are affine in x, B x + c; B
+// is known by products, a solve each. Where it is nearly singular GMRES gives what it has, and the defect is measured;
+// a step that does not lower it tenfold ends the iteration.
 void respond(Search& s, const std::vector<ContactPoint>& points, Trial& t, double accuracy) {
   const std::vector<bool> free = free_rows(points, t.motion);
   for (std::size_t i = 0; i < free.size(); ++i)
@@ -125,6 +141,8 @@ struct Change {
 };
 
 // Rows that break their law: held ones by their force, moving ones by the direction of their jump.
+// The tolerance of forces is the load's rounding, or what the moving rows miss of theirs, whichever is larger; that of
+// jumps the rounding of the largest jump.
 constexpr double rounding = 1e-13;
 std::vector<Change> wrong_rows(const Search& s, const std::vector<ContactPoint>& points, const Trial& t) {
   const Eigen::VectorXd &jump = t.response.jump, &force = t.response.force;
@@ -158,6 +176,9 @@ std::vector<ContactPoint> with_limits(std::vector<ContactPoint> points, const Ei
   return points;
 }
 
+// Exchanges run with rough limits until no row is wrong, then with exact ones. The path through the inside is taken
+// once: after twenty sets, or when ten in a row have not lowered the number of wrong rows. Its friction is given, at
+// the pressures of the last set.
 bool exchange(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   constexpr int trust = 10;  // exchanges in a row that need not help
   constexpr int many = 20;   // sets that cost as much as the way through the inside
@@ -224,6 +245,9 @@ bool descend(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   return false;
 }
 
+// Ways in their order: exchanges; without Coulomb's friction descent, which ends for a positive definite S but for
+// rounding; with it the fixed point of problems with given limits, each of which is a minimum, halving the damping
+// where a change does not shrink by a tenth. Every eight steps exchanges are tried from there.
 bool settle(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   if (exchange(s, points, t)) return true;
   const auto friction = [](const ContactPoint& p) { return p.friction > 0 && p.tangential != none; };
@@ -258,6 +282,8 @@ std::vector<Motion> first_motions(const std::vector<ContactPoint>& points, const
 
 }  // namespace
 
+// The load is max|p| of the bonded crack, or of the guess where it is trusted. Where the search does not end the last
+// set is solved once more, so that motions, jumps and forces belong together.
 Contact active_set(const Eliminated& system, const std::vector<ContactPoint>& points,
                    const std::vector<Motion>& guess) {
   const Eigen::Index n = system.rows;

@@ -50,6 +50,7 @@ std::vector<Motion> interior_set(const Eigen::MatrixXd& S, const Eigen::VectorXd
 struct Response {
   Eigen::VectorXd jump, force;
 };
+/// Everything that the active set knows of S: a solve per set. `rows` counts those in contact.
 struct Eliminated {
   Index rows = 0;
   std::function<Response(const std::vector<Motion>&, const Eigen::VectorXd& force)> solve;

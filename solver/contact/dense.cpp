@@ -1,3 +1,11 @@
+// The active set on a dense S. With M the moving rows, a set takes
+//   S_MM j_M = r_M + p_M,   j = 0 on held rows,   p = S j - r,   S_MM = C C',
+// and C is kept from set to set: rows that stay at its beginning stay factorized, new ones are appended in the order of
+// falling |jump|, so that those which may soon be held again stand at the end. Forms: `dual_qp` for contact and
+// friction, `solve_unilateral` where every row is normal, `OpenRows` for the linear problem with a given closed set.
+// The method of [Belhachmi 2008] with S read off the factor of the body [theory: C.7]; docs/theory/contact.md, section
+// The small problem.
+
 #include "solver/contact/contact.hpp"
 
 #include "base/dense.hpp"
@@ -11,11 +19,14 @@ namespace {
 
 // S_MM = C C' on the moving rows M. C grows at its end; rows that may soon be held are put there, so that most of C
 // stays when they leave.
+// At the beginning, without a response, a row's jump alone, r_i/S_ii, stands for its size.
 class MovingBlock {
  public:
   MovingBlock(const Eigen::MatrixXd& S, const Eigen::VectorXd& r)
       : S_(S), r_(r), factor_(S.rows(), S.cols()), size_(r.cwiseQuotient(S.diagonal()).cwiseAbs()) {}
 
+  // Forces of all rows, moving ones too: what these miss of their known force is the rounding that the search must
+  // allow for.
   Response solve(const std::vector<Motion>& motion, const Eigen::VectorXd& force) {
     factorize(motion);
     Response response{Eigen::VectorXd::Zero(r_.size()), -r_};
@@ -31,6 +42,8 @@ class MovingBlock {
   }
 
  private:
+  // Rows up to the first that is now held stay; C grows by a block, [C 0; B C_2] with B = S_nm C^-T, C_2 C_2' = S_nn -
+  // B B'. A block that is not definite becomes NaN, which ends the search as not converged.
   void factorize(const std::vector<Motion>& motion) {
     const auto moves = [&](Index i) { return motion[i] != Motion::Held; };
     rows_.erase(std::find_if_not(rows_.begin(), rows_.end(), moves), rows_.end());

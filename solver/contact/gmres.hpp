@@ -8,6 +8,7 @@
 namespace kerf {
 
 /// GMRES [Saad, Schultz 1986] for x - B x = b by products B x, from 0, down to |residual| = enough.
+/// Sixty steps at most, without restart. Orthogonalized twice, so that the basis is orthogonal to rounding.
 template <typename Product>
 Eigen::VectorXd gmres(const Product& product, const Eigen::VectorXd& b, double enough) {
   constexpr Eigen::Index most = 60;

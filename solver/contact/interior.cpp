@@ -1,3 +1,12 @@
+// A path through the inside of the admissible jumps and forces, for contact problems on which exchanges take long. The
+// jump of a row is j = a - b with a, b >= 0 (b = 0 of a normal row), its force has l <= p <= u, and
+//   S j - r = p,   a (p - l) = mu,   b (u - p) = mu,   mu -> 0   [theory: C.34].
+// Newton's method with prediction and correction [Mehrotra 1992] eliminates a, b, p: with ease = a/(p - l) + b/(u - p)
+// a step solves (S + diag(1/ease)) dj = r - S j + p + rest/ease, one dense Cholesky factor for both halves, and dp =
+// (rest - dj)/ease. Ten to twenty steps, whatever the condition of S. The result is a set, which the exchanges of
+// contact.cpp settle to the last row. Limits are given: no friction that follows the pressure. Derived in
+// docs/theory/contact.md, section Algorithms.
+
 #include "solver/contact/contact.hpp"
 
 #include "base/dense.hpp"
@@ -28,6 +37,8 @@ struct Row {
 
 class Interior {
  public:
+  // The start: forces in the middle of their interval, or as large as the load, jumps as large as the load alone would
+  // make them. Tangential rows without a slip bound have no force and are free.
   Interior(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points)
       : S_(S), r_(r), rows_(static_cast<std::size_t>(r.size())), x_(Eigen::VectorXd::Zero(r.size())) {
     const double load = r.cwiseAbs().maxCoeff();
@@ -48,6 +59,8 @@ class Interior {
     }
   }
 
+  // It ends when the set has not changed in two steps, once products have fallen to 1e-4 of the first: before that the
+  // set says nothing.
   std::vector<Motion> operator()() {
     constexpr int most = 60, enough = 2;  // steps; of them without a change of the set
     constexpr double begun = 1e-4;        // of the first mean product
@@ -63,6 +76,7 @@ class Interior {
   }
 
  private:
+  // mu, the mean of all products that are to vanish.
   double mean_product() const {
     double sum = 0;
     int count = 0;
@@ -134,6 +148,8 @@ class Interior {
     }
   }
 
+  // The prediction aims at mu = 0; the cube of what it could reach of that is the share of mu that the correction aims
+  // at. Steps end at 0.995 of the way to the nearest bound.
   bool advance() {
     check_stop();
     Eigen::MatrixXd raised = S_;
@@ -154,6 +170,8 @@ class Interior {
     return true;
   }
 
+  // A row moves where its part of the jump times S_ii, a force, is larger than the distance of its force from the
+  // limit: of the two factors of a product the one that stays.
   std::vector<Motion> motions() const {
     std::vector<Motion> motion(rows_.size(), Motion::Forward);
     for (std::size_t k = 0; k < rows_.size(); ++k) {

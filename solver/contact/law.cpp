@@ -1,3 +1,6 @@
+// The intervals of forces that contact and friction allow, and the residual max |p - P(p - j)| of the law, P the
+// projection onto them [theory: C.10, C.12].
+
 #include "solver/contact/law.hpp"
 
 #include <algorithm>
@@ -16,6 +19,8 @@ Admissible admissible(const std::vector<ContactPoint>& points, const Eigen::Vect
   return a;
 }
 
+// Forces relative to the load, jumps to the largest jump, so that both terms of p - j count alike; a solution has 0
+// whatever the scaling.
 double optimality(const std::vector<ContactPoint>& points, const Eigen::VectorXd& jump, const Eigen::VectorXd& force,
                   double load) {
   if (!jump.allFinite() || !force.allFinite()) return infinity;

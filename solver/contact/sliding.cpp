@@ -1,9 +1,13 @@
+// The tangent of contact with points that slide against Coulomb's friction, p_t = share p_n, and its transpose for
+// adjoints: the dense systems of [theory: A.14, A.15, A.16], by LU since they are not symmetric.
+
 #include "solver/contact/sliding.hpp"
 
 #include "base/dense.hpp"
 
 namespace kerf {
 
+// Rows t of S_MM less share times rows n of S_HM: n is held, and its force follows from the jumps that move.
 SlidingRows::SlidingRows(const Eigen::MatrixXd& S, const std::vector<Motion>& motion, Sliding sliding)
     : S_(S), sliding_(std::move(sliding)) {
   std::vector<Index> place(motion.size(), none);
@@ -21,6 +25,8 @@ SlidingRows::SlidingRows(const Eigen::MatrixXd& S, const std::vector<Motion>& mo
     factor_ = lu(forward);
 }
 
+// Forward the right-hand side of row t loses share times that of row n; transposed the held row n gets the jump -share
+// times that of t.
 Eigen::VectorXd SlidingRows::jumps(const Eigen::VectorXd& r, const Eigen::VectorXd* given) const {
   Eigen::VectorXd jump = given ? *given : Eigen::VectorXd::Zero(r.size());
   if (moving_.empty()) return jump;

@@ -1,3 +1,10 @@
+// Uzawa's projected iteration for contact and friction, the reference that the active set is checked with:
+//   j <- prox(y - rho (S y - r)),   rho = 0.99/lambda_max,   y = j + beta (j - j_before),
+//   beta = (1 - q)/(1 + q),   q = (lambda_min/lambda_max)^(1/2)   [Nesterov 2004, (2.2.11); theory: C.9].
+// prox projects normal jumps onto j >= 0 and shrinks tangential ones by rho times their limit at the present pressure.
+// The momentum is dropped in steps where it points uphill [O'Donoghue, Candes 2015]. The number of steps grows like the
+// root of the condition of S, about 1/h. Derived in docs/theory/contact.md, section Algorithms.
+
 #include "kerf/stop.hpp"
 #include "solver/contact/law.hpp"
 
@@ -17,6 +24,8 @@ struct Spectrum {
 
 // Ends of the spectrum of S by Lanczos, reorthogonalized, from a start without symmetry: highest from
 // below and lowest from above, until both stand to 1e-3.
+// Eigenvalues of the Lanczos matrix lie inside the spectrum; 0.99/highest leaves room for what the largest one lacks. A
+// lowest one that is too large costs steps, not the solution.
 Spectrum spectrum(const Eigen::MatrixXd& S, int& products) {
   const Eigen::Index n = S.rows(), most = std::min<Eigen::Index>(n, 200);
   Eigen::MatrixXd basis(n, most);
@@ -47,6 +56,7 @@ Spectrum spectrum(const Eigen::MatrixXd& S, int& products) {
 
 }  // namespace
 
+// Rounding of S x, epsilon |S| |x|, bounds what kkt can reach: looked at every hundred steps, since it costs a product.
 Contact uzawa(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points) {
   const Eigen::Index n = r.size();
   Contact c;

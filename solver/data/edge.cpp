@@ -1,3 +1,14 @@
+// Data on one edge, tractions, prescribed displacements, pressures: a polynomial P of degree 7 whose moments with
+// polynomials of degree 7 are those of the data f, and what is proved of the rest. On a piece of length h (the edge has
+// length 1) with |f^(8)|/8! <= c_8 some polynomial of degree 7 is as near as delta, and eight Gauss points integrate
+// well:
+//   delta = c_8/128 (h/2)^8,   |int f q - sum_i w_i (f q)(s_i)| <= 2 h delta max|q|   [theory: D.2],
+//   |f - P|^2 <= sum over pieces (|f - P|_Gauss + 2 delta h^(1/2))^2                  [theory: D.3].
+// Next to a power a + b d^e the part b is integrated with the Gauss points of the weight d^e [Golub, Welsch 1969];
+// where only the range is known, the error is length times width. The piece with the largest error is split, at a break
+// where one is known, until 1e-10 of int |f| is left. Black boxes are compared with P at stratified points instead, and
+// hold as sampled. Derived in docs/theory/data.md, sections Edges and Black boxes.
+
 #include "solver/data.hpp"
 #include "solver/data/jacobi.hpp"
 #include "solver/left_out.hpp"
@@ -28,6 +39,7 @@ Eigen::Matrix<double, data_points, 1> legendres(double s) {
 }
 
 // Values at the points -> derivatives there.
+// Barycentric differentiation; rows sum to 0, so that constants have no slope.
 const Eigen::Matrix<double, data_points, data_points>& differences() {
   static const Eigen::Matrix<double, data_points, data_points> d = [] {
     Eigen::Matrix<double, data_points, data_points> m = decltype(m)::Zero();
@@ -50,6 +62,7 @@ const Eigen::Matrix<double, data_points, data_points>& differences() {
 }
 
 // Values at the points -> integrals from 0 to them.
+// int_0^s of the interpolant by the rule scaled to [0, s]: exact for degree 7.
 const Eigen::Matrix<double, data_points, data_points>& integrals() {
   static const Eigen::Matrix<double, data_points, data_points> d = [] {
     Eigen::Matrix<double, data_points, data_points> m = decltype(m)::Zero();
@@ -77,12 +90,15 @@ struct Part {
 };
 
 // P, and what it leaves out, from the parts of an edge.
+// All moments are summed before anything is left out: f - P is known only then.
 class Collected {
  public:
   /// `size`: of the largest values.
   Collected(const std::vector<Part>& parts, double size) : parts_(parts), size_(size) {
     for (const Part& p : parts) add(p);
   }
+  // `worst` for messages: the piece with the largest error; where a square is not integrable, the end at which the
+  // power begins.
   EdgeValues result() {
     EdgeValues v;
     for (int q = 0; q < data_points; ++q) v.at.col(q) = moment_ * legendres(rule().s[q]);
@@ -112,6 +128,7 @@ class Collected {
       for (int q = 0; q < data_points; ++q)
         moment_ += h * rule().w[q] * middle(p) * legendres(p.from + h * rule().s[q]).transpose();
   }
+  // A range without end has no middle: such a piece counts as 0, with an infinite error.
   static Vec2 middle(const Part& p) {
     Vec2 m;
     for (int d = 0; d < 2; ++d) m[d] = 0.5 * p.known.value[d].low + 0.5 * p.known.value[d].high;
@@ -120,6 +137,7 @@ class Collected {
   static double place(const Part& p, const Power& power, double distance) {
     return power.at_low_end ? p.from + distance : p.to - distance;
   }
+  // int d^e b q = h^(1 + e) times the rule of the weight s^e on [0, 1].
   void add_power(const Part& p, const Power& power) {
     const double h = p.length();
     for (int q = 0; q < data_points; ++q) {
@@ -151,6 +169,7 @@ class Collected {
     }
   }
 
+  // Twice the largest values at the points, times int d^e = h^(1 + e)/(1 + e).
   double integral_at_power(const Part& p, int d) const {
     const Power& power = *p.known.power;
     const double h = p.length();
@@ -204,6 +223,8 @@ class Collected {
     return change;
   }
   // (A - P + C d^p)^2.
+  // d^(2 e) is integrable for 2 e > -1 alone. The square is (A - P)^2 + 2 (A - P) C d^e + C^2 d^(2 e), each term with
+  // the rule of its own weight.
   void leave_out_power(const Part& p, const Power& power, EdgeValues& v) const {
     const double h = p.length(), e = power.exponent;
     v.rough.setConstant(infinity);
@@ -236,6 +257,8 @@ class Collected {
   Vec2 primitive_ = Vec2::Zero(), margin_ = Vec2::Zero();                     // so far, and its error
 };
 
+// `size`: the largest value of the data anywhere, so that an edge where they are next to nothing is not refined to its
+// own rounding.
 class EdgeIntegration {
  public:
   EdgeIntegration(const BoundaryField& f, const EdgeLine& edge, const char* what, double size)
@@ -255,6 +278,7 @@ class EdgeIntegration {
   }
 
  private:
+  // By `at_` on curved edges, along the chord on straight ones.
   Vec2 value(double s) const {
     const Vec2 x = edge_.a + s * (edge_.b - edge_.a), v = at_ ? at_(s) : f_(x, edge_.n);
     if (!v.allFinite())
@@ -266,6 +290,7 @@ class EdgeIntegration {
     for (int q = 0; q < data_points; ++q) v.col(q) = value(from + (to - from) * rule().s[q]);
     return v;
   }
+  // One smooth piece: P takes the values of f at the points, and leaves out 2 delta at most (D.3).
   EdgeValues collect() {
     EdgeValues v;
     if (parts_.size() == 1 && parts_[0].smooth) {
@@ -282,6 +307,8 @@ class EdgeIntegration {
   }
 
   // ---- with enclosures
+  // A value outside of what is said to enclose it, beyond rounding, means that the enclosure is of another function:
+  // then the data are sampled. Pieces of 2^-52 of the edge cannot be split.
   void enclose(double from, double to, bool last) {
     if (!(to > from)) return;
     Part p{.from = from, .to = to, .known = f_.known()->along(edge_, from, to), .last = last};
@@ -313,9 +340,11 @@ class EdgeIntegration {
     if (h <= finest || p.total() == 0) p.last = true;
     parts_.push_back(std::move(p));
   }
+  // int |f| over a smooth piece. The others count as nothing: the tolerance is of what is known.
   double size(const Part& p) const {
     return p.smooth ? p.length() * (p.at.cwiseAbs() * rule().w).sum() : 0;
   }
+  // At a break three pieces: before, after, and the break itself, as narrow as the numbers of places allow.
   void split(std::size_t worst) {
     const Part p = parts_[worst];
     parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(worst));
@@ -329,6 +358,8 @@ class EdgeIntegration {
     enclose(p.from, middle, false);
     enclose(middle, p.to, false);
   }
+  // Pieces that cannot be split leave errors that no further splitting undoes: then 1e-3 of these is little. 3000 looks
+  // are the budget of an edge.
   EdgeValues enclosed() {
     constexpr int most = 3000;
     constexpr double tolerance = 1e-10, negligible = 1e-3;
@@ -357,6 +388,8 @@ class EdgeIntegration {
 
   // ---- without
   // The largest difference from the polynomial through the values, at one point in each of `strata`.
+  // Shifts within the strata follow multiples of the golden ratio: a feature that repeats with the strata does not stay
+  // between the points.
   Vec2 deviation(const Part& p, int strata) const {
     Vec2 largest = Vec2::Zero();
     constexpr double golden = 0.6180339887498949;
@@ -379,6 +412,7 @@ class EdgeIntegration {
     p.last = p.length() <= finest;
     parts_.push_back(p);
   }
+  // Each half of a piece that deviates is looked at again, in order along the edge, down to 2^-20 or 400 pieces.
   EdgeValues sampled() {
     constexpr int coarse = 24, fine = 8;
     constexpr std::size_t most = 400;
@@ -425,6 +459,7 @@ EdgeLine edge_line(const EdgeOf& of) {
   return line;
 }
 
+// On a curved edge the data are functions of s along its polynomial, with its normal; enclosures take the same line.
 EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* what, bool density, double size) {
   EdgeLine line = edge_line(of);
   if (line.is_straight()) return edge_values(f, line, what, size);
@@ -442,6 +477,7 @@ EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char*
   return EdgeIntegration(f, edge, what, size).run();
 }
 
+// From the enclosure of the whole edge, which is often too wide: a scale, not a maximum.
 double size_on(const BoundaryField& f, const EdgeLine& edge) {
   if (!f.known()) return 0;
   double size = 0;

@@ -1,3 +1,10 @@
+// Sums, multiples and linear fields of the place that carry their enclosures along: intervals rounded outwards, so that
+// what is proved of the parts is proved of the whole [theory: D.1]. Enclosures of expressions are in io/case. Of a sum
+//   value = value_a + value_b,   |f^(8)|/8! <= c_a + c_b,   remainder <= remainder_a + remainder_b,
+// the cut is that of either part; powers at an end are not carried on, and leave a range alone. A linear field is
+// largest at the ends of a piece and at the corners of a box; its values there get 1e-13 of their size as room for
+// rounding. docs/theory/data.md, section Enclosures.
+
 #include "kerf/field.hpp"
 
 #include <algorithm>
@@ -8,6 +15,7 @@ namespace kerf {
 
 namespace {
 
+// One step of nextafter covers the half unit that the sum rounds by. inf - inf is the whole line.
 Interval plus(const Interval& a, const Interval& b) {
   const auto outwards = [](double v, double towards) { return std::nextafter(v, towards); };
   const double low = a.low + b.low, high = a.high + b.high;
@@ -45,6 +53,7 @@ class Sum final : public Enclosure {
   std::shared_ptr<const Enclosure> a_, b_;
 };
 
+// The power at an end would need its parts scaled, too: it is given up, and the range stands.
 class Scaled final : public Enclosure {
  public:
   Scaled(double factor, std::shared_ptr<const Enclosure> a) : factor_(factor), a_(std::move(a)) {}
@@ -82,6 +91,7 @@ class Scaled final : public Enclosure {
 };
 
 // Extreme at the ends of a piece and the corners of a box.
+// Along curved edges nothing is known: there the field is no polynomial of degree 1 in s.
 class Linear final : public Enclosure {
  public:
   explicit Linear(std::function<Vec2(const Vec2&)> f) : f_(std::move(f)) {}
@@ -132,6 +142,7 @@ VectorField scaled(double factor, const VectorField& a) {
                      a.known() ? std::make_shared<Scaled>(factor, a.known()) : nullptr);
 }
 
+// A sum with a black box is a black box.
 VectorField sum(const VectorField& a, const VectorField& b) {
   if (!a) return b;
   if (!b) return a;

@@ -1,3 +1,5 @@
+// Gauss rules for the weight s^b on [0, 1], from the eigenvalues of the Jacobi matrix [Golub, Welsch 1969].
+
 #include "solver/data/jacobi.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -6,6 +8,9 @@
 
 namespace kerf {
 
+// On [-1, 1] with the exponents 0 and b: a_k = b^2/((2k + b)(2k + b + 2)), b_k^2 = 4 k^2 (k + b)^2/((2k + b)^2 ((2k +
+// b)^2 - 1)); for k = 1 the factor 1 + b cancels, which is small for b near -1. Weights are squares of first components
+// times int s^b = 1/(1 + b).
 EdgeRule gauss_jacobi(double b, int points) {
   Eigen::VectorXd diagonal(points), beside(points - 1);
   for (int k = 0; k < points; ++k) {

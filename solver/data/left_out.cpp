@@ -1,3 +1,6 @@
+// What a polynomial of degree 4 or 7 leaves of an enclosed field over a box, and what interpolation leaves on a piece
+// of an edge [theory: D.2, D.4].
+
 #include "solver/left_out.hpp"
 
 #include <algorithm>
@@ -5,6 +8,8 @@
 
 namespace kerf {
 
+// The range itself is the remainder of degree 0: width, twice its half. Degree 7 is not tried where it would have to
+// gain more than a thousandfold to be of use.
 LeftOut left_by_polynomial(const Enclosure& f, const Interval& x, const Interval& y,
                            const std::array<Interval, 2>& range, double enough, double useless) {
   LeftOut left{{range[0].high - range[0].low, range[1].high - range[1].low}};

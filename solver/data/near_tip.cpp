@@ -1,3 +1,11 @@
+// int_0^l p(r) w(r) dr/r^(1/2) along a crack's face from its tip on, p the pressure in the crack, w analytic in
+// r^(1/2): the work of a pressure on the singular fields of a tip. In t = r^(1/2), dr/r^(1/2) = 2 dt, the integrand is
+// smooth where p is; a pressure that begins like a power, p = a + b (r/l)^e with e > -1/2, has its part b integrated
+// with the Gauss points of the weight t^(2 e). On a piece of which |p^(8)|/8! is known the error is at most 2 delta int
+// |w| dr/r^(1/2) (D.2), else twice the width of its range; what two rules, of 12 and 16 points, differ by is added. The
+// worst pieces are cut, at breaks where these are known [theory: D.5]. Derived in docs/theory/data.md, section Works on
+// singular fields.
+
 #include "solver/data/near_tip.hpp"
 
 #include "base/quadrature.hpp"
@@ -38,6 +46,8 @@ class OverFace {
   double radius(double s) const {
     return s * length_;
   }
+  // The integral, and those of |p w| and |w|: the size that errors are relative to, and what an error of p is
+  // multiplied by.
   struct Sum {
     double value = 0, size = 0, field = 0;
     void add(double weight, double pressure) {
@@ -56,6 +66,7 @@ class OverFace {
     }
     return sum;
   }
+  // A piece of unknown range has an infinite error until it is cut.
   void evaluate(IntegrationPiece& p) const {
     static const EdgeRule coarse = gauss(12), fine = gauss(16);
     p.sampled = !p_.known();

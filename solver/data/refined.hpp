@@ -20,6 +20,7 @@ struct IntegrationPiece {
 };
 
 /// Cuts the piece with the largest error, until their sum is small beside the sum of the sizes.
+/// `most`: evaluations, whatever is left then.
 template <typename Evaluate, typename Cut>
 Known refined(std::vector<IntegrationPiece> pieces, int most, const Evaluate& evaluate, const Cut& cut) {
   constexpr double tolerance = 1e-10;

@@ -1,3 +1,12 @@
+// All data of a scene on a mesh, once: per label the edges and what acts on them, pressures in cracks, body force,
+// eigenstrain (edge.cpp, triangle.cpp, strain.cpp), and what of them the rules do not resolve, one place per condition.
+// Reported are
+//   open (neither proof nor samples settle it), sampled only, prescribed displacements that jump (infinite energy),
+//   squares that are not integrable, and gaps g that do more along an edge than a line,
+//   sum_e |g - line|_e^2 > 0.1^2 sum_e |g|_e^2.
+// All but "sampled" stop bounds and claims on the error. Which datum is enclosed by what: docs/theory/data.md, section
+// What stands behind a guarantee [theory: D.2, D.3, D.4].
+
 #include "solver/data.hpp"
 #include "solver/data/all_triangles.hpp"
 
@@ -65,11 +74,13 @@ void add_unseen_gap(const Mesh& mesh, const CrackLaw& law, Index crack, std::vec
 
 }  // namespace
 
+// Such data need no looks: the rules of all elements integrate them exactly.
 bool is_polynomial(const VectorField& f) {
   constexpr int exact = 4;  // that the rules integrate against the displacements of every element
   return f.known() && f.known()->degree() >= 0 && f.known()->degree() <= exact;
 }
 
+// By the enclosure over the box about the mesh: at least the largest value, where that is finite.
 double size_over(const VectorField& f, const Mesh& mesh) {
   if (!f.known()) return 0;
   Interval x{infinity, -infinity}, y = x;
@@ -130,6 +141,7 @@ const LoadedCrack* pressure_in(const SceneData& data, Index crack) {
   return found == data.pressures.end() ? nullptr : &*found;
 }
 
+// P through its values at the eight points.
 double pressure_at(const EdgeValues& on_edge, double s) {
   static const EdgeRule rule = gauss(data_points);
   return on_edge.at.row(0) * trace_basis(rule, s);
@@ -140,6 +152,8 @@ const std::vector<Index>& labeled(const SceneData& data, Index label) {
   return label < 0 || label >= static_cast<Index>(data.edges.size()) ? nothing : data.edges[label];
 }
 
+// Tractions are densities on the edge: on a curved edge they count times |dx/ds| over the chord. Prescribed
+// displacements and pressures are values; the pressure gets the length with its normal (solver/system/skeleton.cpp).
 SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) {
   SceneData data;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
@@ -172,6 +186,7 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
   return data;
 }
 
+// The body force is looked at on all triangles together: looks are shared out among them.
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
   SceneData data = boundary_data(mesh, scene, bows);
   data.strain = strain_data(mesh, scene, rule, threads, bows);
@@ -183,6 +198,8 @@ SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& r
   return data;
 }
 
+// Polynomials of low degree are evaluated where they are wanted; of other fields the values at the points of the rule
+// are stored, or those of their projection.
 Points body_force(const SceneData& data, const Scene& scene, Index t, const Points& x) {
   if (!data.body.empty()) return data.body[t].at;
   Points value(2, x.cols());

@@ -1,3 +1,10 @@
+// Eigenstrains: per triangle the projection P of e in the mean of squares onto polynomials of degree 4, or of its own
+// degree where that is lower, in the coordinates (l1, l2),
+//   c = (B W B')^-1 B W e(x_q),   B the monomials at the points of the rule, W its weights,
+// a load (e, tau) on the stresses [theory: H.3]; and what P leaves out, R = e - P, as for any data on triangles
+// [theory: D.4]. |R|^2 counts 11 and 22 once, 12 twice, 33 not: that is a number for the stress out of the plane.
+// Fields that are known polynomials need no looks. Derived in docs/theory/eigenstrain.md, section The state.
+
 #include "solver/data.hpp"
 #include "solver/data/all_triangles.hpp"
 
@@ -15,6 +22,7 @@ namespace {
 
 constexpr int most = 4;  // degree: that of the stresses that the elements have at most
 
+// In curved triangles a polynomial of the place is none of (l1, l2): degree 4, and a rest.
 int degree_of(const Scene& scene, bool curved) {
   int degree = 0;
   for (const Eigenstrain& e : scene.eigenstrain)
@@ -32,6 +40,7 @@ struct Sampled {
 };
 
 /// The values of all regions' eigenstrains in their triangles.
+/// Triangles of one field are looked at together, since looks are shared out among them.
 class Sampling {
  public:
   Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, const Bows& bows, int threads)
@@ -85,6 +94,7 @@ class Sampling {
   std::map<const VectorField*, std::vector<TriangleValues>> known_;
 };
 
+// Rows 11, 22, 12, 33 to 11, 12, 21, 22.
 Eigen::Matrix4Xd tensors(const Eigen::Matrix4Xd& e) {
   Eigen::Matrix4Xd all(4, e.cols());
   all << e.row(0), e.row(2), e.row(2), e.row(1);
@@ -97,6 +107,7 @@ Eigen::Map<const Eigen::Matrix4Xd> coefficients(const StrainData& data, Index t)
 
 }  // namespace
 
+// Entry 0 is what is outside all regions.
 const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t) {
   const std::size_t place = static_cast<std::size_t>(region_of(mesh, t) + 1);  // none is -1
   return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
@@ -137,6 +148,7 @@ Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l) {
   return tensors(coefficients(data, t) * monomials(data.degree, l));
 }
 
+// By l1 or l2; slopes by the place follow from the map (eigenstrain_slope_at).
 Eigen::Matrix4Xd strain_slope_at(const StrainData& data, Index t, const Points& l, int axis) {
   return tensors(coefficients(data, t) * (derivative(data.degree, axis).transpose() * monomials(data.degree, l)));
 }

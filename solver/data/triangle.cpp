@@ -1,3 +1,13 @@
+// Data on triangles, body forces and eigenstrains, proved where expressions are known. Over the box about a cell a
+// polynomial T of degree 4 or 7 is near f; what is left goes into the integral with any weight w,
+//   |f - T| <= delta,   |int f w - sum_q w_q (f w)(x_q)| <= 2 delta int |w|   [theory: D.4].
+// A triangle is settled when what its range or a polynomial leaves of each component is at most 5e-6 of the mean of |f|
+// over the body; else it is cut in four, the worst cell first, until 1e-6 are left in all or the looks are spent. Where
+// proofs leave too much, rules of two degrees that agree to 1e-6 are taken, and the cell counts as sampled. Black boxes
+// are settled where a finer rule gives the same mean. A triangle that was cut carries the projection onto P_4, and what
+// that leaves out. Looks are shared out over the body (`SharedLooks`). Derived in docs/theory/data.md, sections
+// Triangles and Black boxes.
+
 #include "solver/cut_triangle.hpp"
 #include "solver/data.hpp"
 #include "solver/data/all_triangles.hpp"
@@ -58,6 +68,7 @@ Look compared(const Eigen::Ref<const Points>& at, const TriangleRule& rule, cons
 }
 
 // The better of two rules that agree: of twice the order or nearly.
+// The error of the finer rule, relative to the size, is about the square of the relative difference.
 double better(double difference, double size) {
   return size > 0 ? difference * difference / size : 0;
 }
@@ -67,6 +78,7 @@ double largest_of(const std::array<Interval, 2>& range, double size) {
   return size;
 }
 
+// Shares of the triangle: its errors and areas are relative to the triangle's area, so that means over it are sums.
 struct Cell {
   Vertices corners;  // in barycentric coordinates (l1, l2) of the triangle
   Points value;      // at the points of the rule; one column, the middle of the range, where only that is known
@@ -83,6 +95,8 @@ struct Cell {
   double rim_error = 0;
 };
 
+// `looks`: cells that may be looked at; `share`: by how much more than beside its own size may be left, where proofs
+// fail.
 class TriangleIntegration {
  public:
   TriangleIntegration(const VectorField& f, const Vertices& corners, const TriangleRule& rule, const char* what,
@@ -168,6 +182,7 @@ class TriangleIntegration {
   }
 
   /// The box of a cell.
+  /// Along x and y, in the coordinates of the body: enclosures know boxes alone.
   std::array<Interval, 2> box_of(const Cell& c) const {
     Interval x{infinity, -infinity}, y = x;
     for (const Vec2& l : c.corners) {
@@ -179,6 +194,8 @@ class TriangleIntegration {
   }
 
   // Known: settled where the range of each component is narrow, or Taylor's polynomial leaves little of it.
+  // A range that is narrower inside than on the whole box belongs to a field that jumps along the cell's edge: the rim
+  // alone, 1e-12 of the size, keeps the whole range.
   void enclose(Cell& c) const {
     auto [x, y] = box_of(c);
     c.range = f_.known()->over(x, y);
@@ -265,6 +282,7 @@ class TriangleIntegration {
   }
 
   // A black box: settled where a finer look gives the same mean.
+  // Two rules of different points that agree to 1e-5: more is not known of a function.
   void sample(Cell& c) const {
     take_values(c, rule_);
     const Look look = compared(c.value, rule_, values(finer_rule(), c.corners));
@@ -273,6 +291,7 @@ class TriangleIntegration {
   }
 
   /// Of a black box next to nothing: it is not asked again what the difference of two rules may hide.
+  /// The least that is worth a look: beside the integral for what is known, beside the largest value for a black box.
   double left_open() const {
     constexpr double of_samples = 1e-7;
     return f_.known() ? of_cells * std::max(scale_, size_) : std::max(of_samples * scale_, narrow * size_);
@@ -281,6 +300,7 @@ class TriangleIntegration {
     double error = 0;
     std::optional<std::size_t> worst = {};
   };
+  // Cells of 1e-12 of the area are not cut any more.
   Open open_cells() const {
     constexpr double finest = 1e-12;  // share of the area
     Open open;
@@ -298,6 +318,8 @@ class TriangleIntegration {
     return true;
   }
 
+  // Half of the looks, at least 120, wait for a proof; after these, what rules agree on is taken where proofs leave
+  // more than 1e-3.
   void refine() {
     const int proofs = std::max(120, looks_ / 2);  // looks that wait for a proof
     bool waits = true, samples = false;
@@ -321,6 +343,8 @@ class TriangleIntegration {
     if (waits) take_samples();
   }
 
+  // What f and its projection differ by: at the points where a polynomial is near f, with what that leaves; by the
+  // range, against the least and largest value of the projection at points, where it alone is known.
   void collect(TriangleValues& result) const {
     const Eigen::MatrixXd basis = monomials(kept_degree, rule_.x);
     const Eigen::MatrixXd mass = multiply_transposed(basis * rule_.w.asDiagonal(), basis);
@@ -420,6 +444,9 @@ class SharedLooks {
     for (const Index t : which_) area_ += area(cell_(t));
   }
 
+  // Sizes |f| first, by few points, since what counts as little is relative to the mean over the body. One look at each
+  // triangle, then 5, 30, 120, 500 and 2000 at those that leave most: half of what is left of the budget at a time, all
+  // of it in the end.
   std::vector<TriangleValues> run() && {
     static const TriangleRule few = triangle_rule(5);
     for_each_open(open_.size(), [&](std::size_t k, const Triangle& t) {
@@ -454,6 +481,7 @@ class SharedLooks {
       if (!settled[i]) open_[left++] = open_[i];
     open_.resize(left);
   }
+  // The mean of |f| over the body, of the larger component; not less than rounding of the largest value.
   double mean() const {
     constexpr double nothing = 1e-13;
     Vec2 sum = Vec2::Zero();
@@ -463,6 +491,8 @@ class SharedLooks {
   double left(std::size_t k) const {
     return area(cell_(which_[k])) * values_[k].error;
   }
+  // In triangles smaller than the usual one more may be left by the root of the area ratio, ten times at most: their
+  // errors add up to the same share of the integral.
   TriangleIntegration at(const Triangle& t, double mean, int looks, double share, bool may_sample) const {
     constexpr double most = 10;
     const double usual = area_ / static_cast<double>(which_.size()),
@@ -470,6 +500,7 @@ class SharedLooks {
     return {f_, t.x, rule_, what_, mean * times, looks, std::max(1.0, share / times), may_sample};
   }
   /// Where proofs leave more than they are worth, what rules agree on is taken.
+  /// Less than 1e-3 of the integral stays open, as it is.
   void sample_rest() {
     const double mean = this->mean();
     double open = 0;
@@ -482,6 +513,7 @@ class SharedLooks {
     });
   }
   /// At those `count` with most of what is open.
+  /// From 120 looks on samples may settle what proofs do not: before, more looks may still prove it.
   void look(int looks, std::size_t count) {
     const double mean = this->mean(), all = static_cast<double>(open_.size());
     std::ranges::stable_sort(open_, std::greater(), [&](std::size_t k) { return left(k); });
@@ -515,6 +547,7 @@ class SharedLooks {
 
 }  // namespace
 
+// The values at the points are those of a polynomial of degree 4, which the rule reproduces.
 Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, const Points& l) {
   const Eigen::MatrixXd basis = monomials(kept_degree, rule.x), weighted = basis * rule.w.asDiagonal();
   const Eigen::MatrixXd moment = multiply(weighted, Eigen::MatrixXd(values.at.transpose()));
@@ -522,6 +555,7 @@ Points polynomial_at(const TriangleValues& values, const TriangleRule& rule, con
   return transposed_multiply(monomials(kept_degree, l), coefficients).transpose();
 }
 
+// Of degree 4 on each quarter.
 const TriangleRule& finer_rule() {
   static const TriangleRule rule = [] {
     static const Vertices unit{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
@@ -549,6 +583,7 @@ std::optional<TriangleValues> first_look(const Eigen::Ref<const Points>& at, con
   return v;
 }
 
+// Curved triangles are looked at once: no cutting.
 TriangleValues triangle_values(const VectorField& f, const Triangle& cell, const TriangleRule& rule, double size,
                                const char* what) {
   if (!is_curved(cell)) return triangle_values(f, cell.x, rule, size, what);

@@ -1,3 +1,13 @@
+// Orthotropic materials of the plane problem. With t = tr s, D = s11 - s22 + 2i s12 and phi the angle of the first
+// axis,
+//   tr e = 2 c t + 2 Re(conj(k) D),   e11 - e22 + 2i e12 = D/(2 mu) + 2 k t + 2 l conj(D)   [theory: O.2],
+// k = coupling e^(2i phi), l = split e^(4i phi): mu and c alone are the isotropic mean over all directions. From it
+// follow Lekhnitskii's compliances b_ij, the roots p with Im p > 0 of
+//   b11 p^4 - 2 b16 p^3 + (2 b12 + b66) p^2 - 2 b26 p + b22 = 0   [Lekhnitskii 1968; theory: O.4, O.5],
+// of which the stresses are functions of x + p y, and the tensors of Barnett and Lothe along a straight line [Ting
+// 1996; theory: O.7]. Roots and tensors are found along the material's axes and turned, so that sum and product of
+// nearly equal roots stay exact to rounding. Derived in docs/theory/orthotropic.md.
+
 #include "solver/anisotropic.hpp"
 
 #include <fmt/core.h>
@@ -13,6 +23,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Along the material's own axes, where b16 = b26 = 0.
+/// (O.3) solved for the b_ij: s11 = b11, s22 = b22, s12 = b12, s66 = b66.
 PlaneCompliances own_compliances(const Material& m) {
   const double mean = 1 / (4 * m.mu);
   return {m.c + mean + 2 * m.coupling + m.split,
@@ -31,6 +42,8 @@ Mat2 own_axes(const Material& m) {
 
 }  // namespace
 
+// (O.3). A coupling and a split below the rounding of the compliances leave an isotropic material, whose formulas are
+// shorter and whose roots are i, i.
 Material orthotropic(const Orthotropy& given) {
   const auto [first, second] = given.young;
   const double nu = given.poisson;
@@ -52,11 +65,13 @@ Material orthotropic(const Orthotropy& given) {
   return m;
 }
 
+// The axis is e^(2i phi): a frame turned by `angle` sees phi - angle.
 Material seen_from(Material m, double angle) {
   m.axis *= std::polar(1.0, -2 * angle);
   return m;
 }
 
+// What k and l add to the strain: e11, e22, e12 (not 2 e12).
 Eigen::Vector3d orthotropic_strain(const Material& m, double s11, double s22, double s12) {
   const Complex k = m.coupling * m.axis, l = m.split * m.axis * m.axis, D(s11 - s22, 2 * s12);
   const double trace = 2 * (k.real() * D.real() + k.imag() * D.imag());
@@ -88,6 +103,9 @@ Eigen::Matrix3d stress_matrix(const Material& m) {
   return strain_matrix(m).inverse();
 }
 
+// The eigenvalues of A on symmetric stresses in an orthonormal basis: the shear along the axes is one eigenvector, the
+// pressure and the other shear span a 2 x 2 block. The smaller root of the block comes from its determinant, because
+// the difference mean - radius cancels as c goes to 0.
 ShearModuli shear_moduli(const Material& m) {
   if (isotropic(m)) return {m.mu, m.mu};
   // Strains per stress of the size 1: of shear along the axes, and of the pressure with the other shear.
@@ -99,6 +117,7 @@ ShearModuli shear_moduli(const Material& m) {
   return {0.5 / largest, 0.5 / least};
 }
 
+// [theory: O.5]
 Roots roots(const Material& m) {
   // Along the material's axes the product is -sqrt(b22/b11), the sum i r; then turned.
   const PlaneCompliances b = own_compliances(m);
@@ -113,6 +132,7 @@ Roots roots(const Material& m) {
   return p;
 }
 
+// x + p y as a real map: (x + Re(p) y, Im(p) y).
 std::vector<Mat2> smooth_images(const std::vector<Material>& materials) {
   std::vector<Mat2> images;
   for (const Material& m : materials) {
@@ -122,6 +142,7 @@ std::vector<Mat2> smooth_images(const std::vector<Material>& materials) {
   return images;
 }
 
+// [theory: O.7]
 Surface surface(const Material& m) {
   const PlaneCompliances b = own_compliances(m);
   const double ratio = std::sqrt(b.b22 / b.b11), r = std::sqrt((2 * b.b12 + b.b66) / b.b11 + 2 * ratio);

@@ -1,3 +1,12 @@
+// Curved edges of triangles as polynomials x(s) = (1 - s) x_a + s x_b + s (1 - s) q(s), 0 <= s <= 1, of degree min(k +
+// 1, 4) for an element of degree k. They have the ends of an arc of an ellipse and its tangents there; for the unit
+// circle with half angle a, S = sin a, C = cos a, along and across the chord and t = 2 s - 1:
+//   degree 2: q = (0, 2 S^2/C);   degree 3: Bezier's handles 4/3 tan(a/2);
+//   degree 4: x = p t + (S - p) t^3, y = 1 - p^2 t^2/2 + e t^4, e = C - 1 + p^2/2, p = (S - (1 - C)^(3/2))/C.
+// Arcs of ellipses are affine images. The distance from the arc is O(h^(2k + 2)), O(h^8) for k = 4 as well. Derived in
+// docs/theory/elements.md, section Curved triangles [theory: E.24, E.25]. Here, too, a mesh is refused in which the map
+// of a triangle folds, before and after divisions of its curved edges.
+
 #include "solver/element/bow.hpp"
 
 #include "geometry/part.hpp"
@@ -18,6 +27,7 @@ struct UnitHeight {
   std::array<double, 3> along, across;
 };
 
+// Written with sin(a/2) in place of 1 - cos a, whose digits cancel for short arcs.
 UnitHeight unit_height(double a, int degree) {
   const double s = std::sin(a), c = std::cos(a), half = std::sin(0.5 * a), rise = 2 * half * half;  // 1 - c
   switch (degree) {
@@ -39,6 +49,8 @@ UnitHeight unit_height(double a, int degree) {
 }
 
 /// Whether the cell's map turns over or shrinks too much, on a lattice.
+/// The least J must be above a fifth of the largest one, because stresses are divided by it (E.26). A lattice of 45
+/// points is a test, not a proof.
 bool folds(const Triangle& t) {
   constexpr int n = 8;
   constexpr double least = 0.2;
@@ -54,6 +66,7 @@ bool folds(const Triangle& t) {
 
 }  // namespace
 
+// `axes` takes the unit circle to the ellipse: the polynomial of the circle goes along.
 Bow bow_of(const Arc& piece, int degree) {
   const double a = 0.5 * (piece.to - piece.from), middle = 0.5 * (piece.from + piece.to);
   const UnitHeight h = unit_height(a, degree);
@@ -63,6 +76,8 @@ Bow bow_of(const Arc& piece, int degree) {
   return b;
 }
 
+// Halves of curved edges are pieces of the same arcs, in triangles of other shapes: each division is checked, on the
+// triangles beside curved edges alone.
 void check_division(const Mesh& mesh, const Element& e, int divisions) {
   Mesh beside = mesh;
   for (int time = 0; !beside.arc.empty(); ++time) {

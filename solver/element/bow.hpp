@@ -38,6 +38,8 @@ const Bow* bow_at(const Bows& bows, Index edge);
 struct OnEdge {
   Vec2 x, slope;
 };
+/// The slope is that of the polynomial where the edge is curved, the chord otherwise; |slope| is the length per unit of
+/// s.
 OnEdge on_edge(const Mesh& mesh, const Bows& bows, Index edge, double s);
 /// The normal there times |dx/ds|, on the side of `towards`.
 inline Vec2 normal_at(const OnEdge& p, const Vec2& towards) {

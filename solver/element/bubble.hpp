@@ -33,6 +33,7 @@ struct Bubble {
   Number value;
   Plane<Number> gradient;
 };
+// 27 l0 l1 l2 is 1 at the centroid.
 template <class Number>
 Bubble<Number> bubble(const ScaledOf<Number>& s, const Plane<Number>& xi) {
   const Number l1 = 1.0 / 3 + s.gradient[1].dot(xi), l2 = 1.0 / 3 + s.gradient[2].dot(xi), l0 = 1.0 - l1 - l2;

@@ -1,3 +1,6 @@
+// The table of elements (include/kerf/element.hpp) by name and degree, and the one wording of what an element cannot
+// do: which ones can, and the way out.
+
 #include "kerf/element.hpp"
 
 #include <fmt/core.h>

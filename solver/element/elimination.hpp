@@ -123,6 +123,7 @@ inline __attribute__((always_inline)) void backward_rows(const Rowwise<N, N>& u,
 }
 
 // Of each triangle: gamma = 1/(2 mu), the penalty.
+// gamma B'B has the size of the deviatoric compliance: M + gamma B'B is balanced whatever mu is.
 template <class Number>
 struct Compliant {
   Number gamma;
@@ -150,6 +151,8 @@ struct Reduction : Space<E> {
   Number gamma;
   double density;  // one over the area in xi
 
+  // [theory: E.7]. With a penalty M gets a/|T| t t' as well (E.12), and YT, ZT carry the load theta t and the mean of
+  // the trace (E.13, E.14).
   Reduction(const Arrays& a, const Compliant<Number>& is) {
     gamma = is.gamma;
     density = 1 / a.area;
@@ -189,6 +192,7 @@ struct Reduction : Space<E> {
     for (int x = 0; x < X; ++x) F[x] *= x < X - V ? factor : Number(factor * s.h);
     return F;
   }
+  // mean(tr s) of a load alone: 1/|T| t . s with s eliminated, all in xi.
   double mean_trace(const Rowwise<S, 1>& stress, const Rowwise<B, 1>& low) const {
     return density * (YT.dot(stress) + ZT.dot(low));
   }
@@ -209,6 +213,8 @@ struct Reduction : Space<E> {
     Grid<Number, S, 1> stress;
     Grid<Number, B, 1> inner;
   };
+  // s = L^-T (L^-1 C'm + YB q), q = LB^-T (low - LB^-1 YB'L^-1 C'm), and p = gamma right - q: the proof stands at
+  // (E.7).
   Solution back(const Arrays& a, const Grid<Number, X, 1>& m, const Grid<Number, B, 1>& low,
                 const Grid<Number, B, 1>& right, const Grid<Number, S, 1>* load, const Compliant<Number>& is) const {
     // S_B (gamma given - p) = given - B M^-1 C' m,   s = M^-1 (C' m + B' (gamma given - p))
@@ -257,6 +263,7 @@ struct Reduction : Space<E> {
   }
 
  private:
+  // M + a/|T| t t' + gamma B'B. All terms are positive semidefinite; on a constant pressure only c and a are left.
   void factorize(const Arrays& a, const Compliant<Number>& is) {
     L = a.M;
     if (is.penalized)
@@ -321,6 +328,8 @@ struct Elimination : Reduction<E, Number> {
       return c;
     }
   };
+  // K = YC'YC - Z'Z, which grows like 1/c towards nu = 1/2 by its resistance to changes of the area. by_theta = (YT .
+  // YT - ZT . ZT)/|T| is mean(tr s) per theta.
   Shares shares(const ScaledOf<Number>& s, bool forced, const Compliant<Number>& is) const {
     Shares to;
     to.forced = forced;

@@ -18,6 +18,7 @@ struct InteriorFields : Space<E> {
       Base::curls_at;
 
   // Of the local problem's solution s, (u_xi, r).
+  // u = h u_xi; rotations have no length. Rotations at vertices become the coefficients of their linear interpolant.
   static Eigen::VectorXd unpack(const Kernel& k, const Scaled& s, const Material& material, const double* stress,
                                 const double* inner, const SkeletonVector& m) {
     Eigen::VectorXd all(interior_count(E));
@@ -40,6 +41,7 @@ struct InteriorFields : Space<E> {
   static bool has_eigenstrain(const ForceMoments& force) {
     return can_be_strained(E) && force.size() == U + F;
   }
+  // -(e, tau) of (H.3). `force` holds means over the triangle, hence the area 1/2.
   static Rowwise<S, 1> eigenstrain_load(const Kernel& k, const Scaled& s, const ForceMoments& force) {
     constexpr double share = -0.5;  // the triangle's area in xi is 1/2
     Rowwise<S, 1> load;
@@ -58,6 +60,8 @@ struct InteriorFields : Space<E> {
     Rowwise<B, 1> given;
     std::array<double, 3> at_vertices;
   };
+  // h^2 times the local problem in xi is that in x: a load on stresses is divided by h^2, one on u = h u_xi by h (E.6).
+  // What J sees of a rotation at vertices goes to the skeleton.
   static Acting acting(const Kernel& k, const Scaled& s, const Material& material, const Eigen::VectorXd& J) {
     Eigen::VectorXd by = J;
     if constexpr (is_symmetric(E)) {  // the rotation is a linear function of the rest
@@ -133,6 +137,8 @@ struct InteriorFields : Space<E> {
     return {point(s, l.x(), l.y()), true, map.D, map.J};
   }
 
+  // Stresses of a curved triangle are pushed by Piola's transformation; displacements and rotations are taken over as
+  // they are (E.26).
   static Fields evaluate(const Triangle& t, const Eigen::Ref<const Eigen::VectorXd>& c, const Points& x) {
     const Scaled s = scale(t);
     Fields f{Eigen::Matrix4Xd(4, x.cols()), Points::Zero(2, x.cols()), Eigen::RowVectorXd::Zero(x.cols())};
@@ -176,6 +182,7 @@ struct InteriorFields : Space<E> {
     }
   }
 
+  // The transpose of `evaluate`, term by term.
   static Eigen::VectorXd weigh(const Triangle& t, const Points& x, const Fields& w) {
     const Scaled s = scale(t);
     Eigen::VectorXd all = Eigen::VectorXd::Zero(interior_count(E));

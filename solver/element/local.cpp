@@ -1,3 +1,12 @@
+// One triangle, for all elements: picks the compiled operations of an element (local_<family>.cpp), and what needs no
+// compile-time sizes. That is the quadrature of an element (`kernel`), the cut of its stresses as the null space of
+// linear conditions [theory: E.10, E.11], moments of body forces against its displacements, and the map of a curved
+// triangle from the triangle of its chords, with l the barycentric coordinates,
+//   Phi(X) = X + sum over curved edges of l_a l_b q(1/2 (1 + l_b - l_a)),   D = D Phi,   J = det D   [theory: E.25].
+// `condense` and `interiors` of many triangles sort them: those with a shared elimination take it, straight ones go by
+// fours through the packed kernels, the others one by one: what is done with a triangle depends on itself.
+// Hybridization, spaces and curved triangles: docs/theory/elements.md.
+
 #include "solver/element/local.hpp"
 #include "solver/element/shared_shape.hpp"
 
@@ -42,6 +51,9 @@ const Operations* operations(const Element& e) {
   return e.bubble < 0 ? afw_operations(e.degree) : bdms_operations(e.degree);
 }
 
+// Columns are the stress functions that the cut leaves, rows their coefficients in the full tensors (4 m + c: monomial
+// m, component c) and the bubbles. RaviartThomas is spanned explicitly (E.10); the symmetric spaces are the null space
+// of symmetry (s12 = s21 for each monomial) and of the high derivatives of the divergence (E.11).
 Eigen::MatrixXd constant_cut(const Element& e) {
   const int monomials = dim(e.stress), full = stress_count(e);
   switch (e.cut) {
@@ -89,6 +101,9 @@ Vec2 centroid(const Triangle& t) {
   return (t.x[0] + t.x[1] + t.x[2]) / 3;
 }
 
+/// Degrees of the rules: products of two stresses; data of degree 8 against a displacement; where a triangle is curved,
+/// the numerator S D' D R' of degree 4 k + 2 (with bubbles), which J divides: the quotient is rational, and no rule is
+/// exact for it (E.27).
 Kernel kernel(const Element& e) {
   const int points = points_per_edge(e);
   Kernel k{e,
@@ -118,6 +133,7 @@ Triangle cell_of(const Mesh& mesh, const Bows& bows, Index t) {
 
 namespace {
 
+// grad l_i: inward normal of edge i over twice the area.
 std::array<Vec2, 3> barycentric_slopes(const Triangle& t) {
   const double twice = 2 * area(t);
   std::array<Vec2, 3> slope;
@@ -133,6 +149,7 @@ struct Bowed {
   int a, b;
   double both, s;
 };
+// s = 1/2 (1 + l_b - l_a) is 0 at a, 1 at b, and l_a l_b = s (1 - s) on the edge itself (l_a + l_b = 1).
 Bowed bowed(const Triangle& t, int e, const std::array<double, 3>& l) {
   const int a = (e + (t.forward[e] ? 1 : 2)) % 3, b = (e + (t.forward[e] ? 2 : 1)) % 3;
   return {a, b, l[a] * l[b], 0.5 * (1 + l[b] - l[a])};
@@ -140,6 +157,7 @@ Bowed bowed(const Triangle& t, int e, const std::array<double, 3>& l) {
 
 }  // namespace
 
+// D by the product and chain rules: grad(l_a l_b) = l_b grad l_a + l_a grad l_b, grad s = 1/2 (grad l_b - grad l_a).
 CellMap cell_map(const Triangle& t, const Vec2& l) {
   const std::array<double, 3> at = {1 - l.x() - l.y(), l.x(), l.y()};
   CellMap map{at[0] * t.x[0] + at[1] * t.x[1] + at[2] * t.x[2], Mat2::Identity(), 1};
@@ -157,6 +175,7 @@ CellMap cell_map(const Triangle& t, const Vec2& l) {
   return map;
 }
 
+// Second derivatives of Phi; q is quadratic in s, so that its second derivative is 2 q[2].
 std::array<Mat2, 2> cell_map_slopes(const Triangle& t, const Vec2& l) {
   const std::array<double, 3> at = {1 - l.x() - l.y(), l.x(), l.y()};
   const std::array<Vec2, 3> slope = barycentric_slopes(t);
@@ -174,6 +193,8 @@ std::array<Mat2, 2> cell_map_slopes(const Triangle& t, const Vec2& l) {
   return D;
 }
 
+// Newton's method from the coordinates in the triangle of the chords. It ends at rounding, where a step gains nothing,
+// or where J is not positive: outside of the triangle the polynomial map need not have an inverse.
 Vec2 cell_coordinates(const Triangle& t, const Vec2& x) {
   Mat2 sides;
   sides << t.x[1] - t.x[0], t.x[2] - t.x[0];
@@ -198,6 +219,7 @@ const TriangleRule& stress_rule(const Kernel& k, const Triangle& t) {
   return is_curved(t) ? k.curved : k.rule;
 }
 
+// int f over the curved triangle is area(chords) sum_q w_q J(x_q) f(Phi(x_q)).
 Eigen::VectorXd rule_weights(const TriangleRule& rule, const Triangle& t) {
   Eigen::VectorXd w = rule.w;
   if (is_curved(t))
@@ -221,10 +243,14 @@ Points rule_points(const TriangleRule& rule, const Triangle& t) {
   return x;
 }
 
+// The spaces of a curved triangle are those of its chords, taken over by the map: their monomials are evaluated at the
+// points of the triangle of the chords.
 Points chord_points(const TriangleRule& rule, const Triangle& t) {
   return (rule_points(rule, chords_of(t)).colwise() - centroid(t)) / std::sqrt(2 * area(t));
 }
 
+// What a rigid motion is to a curved triangle: its displacements contain polynomials of the chords' coordinates, not
+// Phi itself.
 Points seen_places(const Kernel& k, const Triangle& t) {
   const Points x = rule_points(k.curved, t);
   const Eigen::MatrixXd v = monomials(k.element.displacement, chord_points(k.curved, t)),
@@ -232,6 +258,7 @@ Points seen_places(const Kernel& k, const Triangle& t) {
   return solve_spd(multiply_transposed(weighted, v), multiply(weighted, Eigen::MatrixXd(x.transpose()))).transpose();
 }
 
+// Means over the triangle of the chords, with J: (f, v)/area.
 ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& force) {
   const Points x = rule_points(k.load, t);
   const Eigen::VectorXd w = rule_weights(k.load, t);
@@ -246,6 +273,7 @@ ForceMoments force_moments(const Kernel& k, const Triangle& t, const Points& for
   return moments;
 }
 
+// Three-term recurrence n P_n = (2n - 1) x P_(n-1) - (n - 1) P_(n-2) on [-1, 1], scaled to norm 1 on [0, 1].
 double legendre(int k, double s) {
   const double x = 2 * s - 1;
   double before = 0, value = 1;
@@ -257,6 +285,8 @@ double legendre(int k, double s) {
   return std::sqrt(2.0 * k + 1) * value;
 }
 
+// Points are those of the edge in its own direction, from its smaller to its larger vertex, so that both triangles
+// beside it number them alike.
 Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {
   const Vec2& from = t.x[(edge + 1) % 3];
   const Vec2& to = t.x[(edge + 2) % 3];

@@ -1,3 +1,5 @@
+// Instances of the mixed triangle for `afw`, degrees 1 to 3 [Arnold, Falk, Winther 2007].
+
 #include "solver/element/mixed.hpp"
 
 namespace kerf {

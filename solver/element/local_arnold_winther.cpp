@@ -1,3 +1,6 @@
+// Instances of the mixed triangle for the symmetric elements without unknowns at vertices, `arnold-winther` and
+// `arnold-winther-nc` [Arnold, Winther 2002; Arnold, Winther 2003].
+
 #include "solver/element/mixed.hpp"
 
 namespace kerf {

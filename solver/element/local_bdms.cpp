@@ -1,3 +1,5 @@
+// Instances of the mixed triangle for `bdms`, degrees 1 to 3 [Stenberg 1988].
+
 #include "solver/element/mixed.hpp"
 
 namespace kerf {

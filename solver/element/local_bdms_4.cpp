@@ -1,4 +1,4 @@
-// Degree 4 takes as long to compile as the other three together.
+// Instance of the mixed triangle for `bdms` of degree 4: it takes as long to compile as the other three together.
 
 #include "solver/element/mixed.hpp"
 

@@ -1,3 +1,6 @@
+// Instances of the mixed triangle for `peers` [Arnold, Brezzi, Douglas 1984] and `bdms-c`: elements whose rotations are
+// continuous and live at the vertices.
+
 #include "solver/element/mixed.hpp"
 
 namespace kerf {

@@ -1,3 +1,11 @@
+// Continuous displacements P_1 and P_2 (`p1`, `p2`), to compare the mixed elements with: they lock as nu -> 1/2. One
+// triangle has the stiffness
+//   K = int C e(v) : e(w),   C e = 2 mu e + (1/(4 c) - mu) tr(e) I    (the inverse of the law (N.4); c > 0 is needed),
+// or C of the orthotropic law. In the plane K does not depend on the size of the triangle: it is taken in the scaled
+// coordinates of (E.6). Skeleton unknowns are values at vertices and, for P_2, in the middles of edges; nothing is
+// eliminated. The stress is that of the gradient, C e(u), the rotation its skew part with the sign of (N.1). Notation:
+// docs/theory/README.md; scaling: docs/theory/elements.md.
+
 #include "base/dense.hpp"
 #include "solver/anisotropic.hpp"
 #include "solver/element/interior_fields.hpp"
@@ -71,6 +79,8 @@ struct DisplacementTriangle {
     return all;
   }
 
+  // The moments of the force are means over the triangle, hence the factor area(t). There is no penalty: nothing is
+  // raised near nu = 1/2.
   static Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,
                             const Penalty&) {
     const Scaled s = scale(t);
@@ -91,6 +101,8 @@ struct DisplacementTriangle {
     return result;
   }
 
+  // The coefficients (s, u, r) as a mixed element has them, so that all later code reads fields in one form: s and r in
+  // P_(k-1), u in P_k.
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
                                   const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty,
                                   TraceForces* forces) {

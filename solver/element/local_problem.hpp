@@ -77,6 +77,8 @@ struct LocalProblem : Space<E> {
       }
     }
   }
+  // One pass over the rule serves M, B and the traces: stresses, rotations and displacements are monomials of one list.
+  // Symmetric arrays are filled above the diagonal, then mirrored.
   template <class Number>
   static Moments<Number> moments(const Kernel& k, const ScaledOf<Number>& s) {
     Moments<Number> of;
@@ -91,6 +93,7 @@ struct LocalProblem : Space<E> {
     return of;
   }
 
+  // (A s, t) of monomial tensors; as s = s12 - s21 against the rotations; tr s against 1.
   template <class Number>
   static void add_tensors(const Moments<Number>& of, const Compliance<Number>& A, FullOf<Number>& a) {
     for (int m = 0; m < P; ++m) {
@@ -164,6 +167,9 @@ struct LocalProblem : Space<E> {
     return side;
   }
 
+  // Moments of s n against the trace functions. The nodal basis at the Gauss points is orthogonal (E.5): the moment
+  // with function g is the value at point g times its weight. With stresses at vertices the trace is of lower degree
+  // than s n, and a finer rule is taken.
   template <class Number>
   static void add_edge(const Kernel& k, const Side<Number>& own, const ScaledOf<Number>& s, int e, FullOf<Number>& a) {
     const int from = (e + 1) % 3, to = (e + 2) % 3;
@@ -193,6 +199,7 @@ struct LocalProblem : Space<E> {
     }
   }
 
+  // -(as s, l_v): the continuous rotation is on the side of the skeleton, as a trace is.
   static void add_vertex(const Moments<double>& of, const Scaled& s, int v, Full& a) {
     // l_v = 1/3 + gradient . xi
     const Vec2& slope = s.gradient[v];
@@ -246,6 +253,7 @@ struct LocalProblem : Space<E> {
   }
 
   // Of the means of the force, on the right-hand side of the constraints: the triangle's area in xi is 1/2.
+  // B s = -h (f, v) (E.6).
   template <class Number>
   static Number share_of_force(const ScaledOf<Number>& s) {
     return -0.5 * s.h;
@@ -291,6 +299,7 @@ struct LocalProblem : Space<E> {
     return a;
   }
 
+  // In the basis that the cut leaves; `given` concerns the constraints and stays.
   static LocalArrays<E, S> assemble(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material,
                                     const ForceMoments& force) {
     if constexpr (!Base::IsCut) {

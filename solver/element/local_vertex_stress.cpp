@@ -1,6 +1,12 @@
-// The conforming Arnold-Winther element: the stress tensors at the vertices are skeleton unknowns beside P_1 traces on
-// the edges. With s = I z + E v, v the vertex values, the local problem is stationary in (z, u); what is left is
-// positive in the traces and negative in v: quasi-definite. Small dense matrices: an element to check others with.
+// The conforming Arnold-Winther element `arnold-winther-c` [Arnold, Winther 2002]: the stress tensors at the vertices
+// are skeleton unknowns v beside P_1 traces m on the edges. With s = I z + E v, I the stresses that vanish at the
+// vertices, the local problem is stationary in y = (z, u) for x = (m, v),
+//   L = 1/2 y'Y y + y'C x + 1/2 x'D x - y'g - x'f,   K = C'Y^-1 C - D,   F = C'Y^-1 g - f,
+// K being minus the Hessian of the stationary value: positive in the traces, negative in v, quasi-definite as a whole.
+// The normal stress on an edge is cubic while its trace is linear; the rest of the prescribed displacement (Legendre
+// coefficients 2 and 3) enters as the load g, f. Given tractions fix stresses at vertices [theory: E.16]. Derived in
+// docs/theory/elements.md, section Stresses at vertices. Small dense matrices: an element to check others with.
+
 #include "solver/element/interior_fields.hpp"
 
 #include "base/dense.hpp"
@@ -21,6 +27,8 @@ struct Split {
   Eigen::MatrixXd inner, outer;  // S x (S - 9) and S x 9: no values at the vertices; unit values in the vertex frames
 };
 
+// Legendre polynomials 2 and 3 are orthogonal to the linear trace. Four Gauss points are exact for their products with
+// cubic normal stresses.
 Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matrix<double, cubic_trace_count, 1>& data) {
   static const EdgeRule rule = gauss(4);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(Base::F);
@@ -38,6 +46,8 @@ Eigen::VectorXd edge_load(const Triangle& t, const Scaled& s, const Eigen::Matri
   return load;
 }
 
+// `outer` is the pseudoinverse of the map to the values at the vertices: unit values there with the smallest
+// coefficients. That choice among all representatives changes z, and nothing that is left.
 Split split(const Kernel& k, const Triangle& t, const Scaled& s, const Material& material, const ForceMoments& force) {
   const ForceMoments body = force.head(force.size() > 0 ? Base::U : 0);
   Split r{LocalProblem<E>::assemble(k, t, s, material, body), span_of(k, s), Eigen::VectorXd::Zero(Base::S), {}, {}};
@@ -65,6 +75,7 @@ struct Blocks {
   Eigen::VectorXd g, f;
 };
 
+// The work of tractions is -<m, s n>: the minus signs of the blocks with Ct.
 Blocks blocks(const Split& p) {
   constexpr int Z = Base::S - 9, U = Base::U, M = Base::X, V = 9;
   const Eigen::MatrixXd M_full = p.system.M, Bt = p.system.Bt, Ct = p.system.Ct,

@@ -1,4 +1,10 @@
-// What the mixed elements do in matrices whose sizes are known at run time only.
+// What the mixed elements do in matrices whose sizes are known at run time only. The coordinates of the local problem
+// (E.6); the compliance on the components 11, 12, 21, 22, and the orthotropic share; stress spaces that are cut by
+// conditions on the edges (E.11); and the rotation of symmetric elements, which have no multiplier for it. With e = A s
+// it follows in the mean of squares from
+//   d1 r = d2 e11 - d1 e12,   d2 r = d2 e12 - d1 e22   [theory: E.15],
+// and its constant from the moment int x^perp . u_h. Spaces and rotation: docs/theory/elements.md.
+
 #include "solver/element/interior_fields.hpp"
 
 #include "base/dense.hpp"
@@ -7,6 +13,8 @@
 
 namespace kerf {
 
+// xi = (x - centroid)/h with h^2 = 2 |T|: twice the area is 1 in xi, so that gradients of barycentric coordinates need
+// no division.
 Scaled scale(const Triangle& t) {
   Scaled s;
   s.center = centroid(t);
@@ -31,6 +39,7 @@ void add_orthotropic(const Material& material, Eigen::Matrix4d& A) {
 
 }  // namespace
 
+// (N.4) with dev s = s - 1/2 tr(s) I: the skew part of s is in dev s and counts with 1/(2 mu).
 Eigen::Matrix4d compliance(const Material& material) {
   const double half = 1 / (4 * material.mu), full = 1 / (2 * material.mu), c = material.c;
   Eigen::Matrix4d A;
@@ -50,6 +59,8 @@ Eigen::MatrixXd by_columns(const double* a, int rows, int columns) {
   return Eigen::Map<const RowMajor>(a, rows, columns);
 }
 
+// The constant cut, and for LinearNormal its part on which the three edge conditions of (E.11) vanish: these depend on
+// the triangle.
 Eigen::MatrixXd span_of(const Kernel& k, const Scaled& s) {
   if (k.element.cut != Cut::LinearNormal) return k.cut;
   // n.s n is linear on an edge when its second derivative along the edge vanishes.
@@ -124,6 +135,8 @@ double mean_rotation(const Kernel& k, const Scaled& s, const Eigen::MatrixXd& gr
 
 }  // namespace
 
+// Normal equations of the two derivatives; the constant is not seen by them and is set afterwards. The gradient of u,
+// 11, 12, 21, 22, is e + Gamma(r) with the sign of (N.1).
 Eigen::VectorXd rotation_of(const Kernel& k, const Scaled& s, const Material& material, const Eigen::VectorXd& all) {
   const Element& e = k.element;
   const int N = rotation_count(e);

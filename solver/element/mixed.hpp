@@ -50,6 +50,8 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return result;
   }
 
+  // The same elimination backwards. The forces are made of the stress that is found, C s, not of K m: its rounding
+  // balances itself on the triangle.
   static Eigen::VectorXd interior(const Kernel& k, const Triangle& t, const Material& material,
                                   const ForceMoments& force, const SkeletonVector& m, const Penalty& penalty,
                                   TraceForces* forces) {
@@ -72,12 +74,15 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
   }
 
   // Four straight triangles side by side; `count` of them are wanted.
+  // Cut spaces go through matrices of run-time size, which are not packed.
   static constexpr bool CanBePacked = !Space<E>::IsCut && V == 0 && !is_symmetric(E);
   struct Packed {
     ScaledOf<Pack> s;
     Compliant<Pack> is;
     LocalArrays<E, S, Pack> a;
   };
+  // Lane by lane what LocalProblem assembles: moments and edges are computed in packs, the compliance and the scaling
+  // per triangle.
   static void pack(const Kernel& k, const PackedTriangles& all, Packed& to) {
     using Problem = LocalProblem<E>;
     typename Problem::template Compliance<Pack> A;
@@ -153,6 +158,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  // Traces without loads: one elimination serves all columns.
   static Eigen::MatrixXd interiors(const Kernel& k, const Triangle& t, const Material& material,
                                    const Eigen::MatrixXd& m) {
     const Scaled s = scale(t);
@@ -166,6 +172,8 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return all;
   }
 
+  // Eight fields side by side, one value after the other: the inner loops run over fields. Elements that are cut,
+  // symmetric or have rotations at vertices take the way of columns.
   static void interiors_lanes(const Kernel& k, const Triangle& t, const Material& material, const double* m,
                               double* all) {
     const Scaled s = scale(t);
@@ -187,6 +195,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  // Loads with all edges at rest, m = 0: the particular solutions that the traces are added to.
   static void loaded(const Kernel& k, const Triangle& t, const Material& material, const Eigen::MatrixXd& forces,
                      Loaded& to) {
     const Scaled s = scale(t);
@@ -212,6 +221,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     }
   }
 
+  // The adjoint has the same matrix and -J for its loads, on stresses, displacements and rotations [theory: A.2, A.6].
   static DualLoad condense_dual(const Kernel& k, const Triangle& t, const Material& material, const Eigen::VectorXd& J,
                                 const Penalty& penalty) {
     const Scaled s = scale(t);
@@ -237,6 +247,7 @@ struct MixedTriangle : LocalProblem<E>, InteriorFields<E> {
     return unpack(k, s, material, found.stress.data(), found.inner.data(), m);
   }
 
+  // In xi, nothing eliminated: the saddle point without elimination takes it (C.13).
   static LocalSystem local_system(const Kernel& k, const Triangle& t, const Material& material,
                                   const ForceMoments& force) {
     const Scaled s = scale(t);

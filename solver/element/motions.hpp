@@ -33,6 +33,8 @@ struct MotionTraces {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, max_skeleton, 3> span;
   Eigen::Matrix3d inverse;
 };
+/// The rotation is x -> (cross(d, e1), cross(d, e2)) with d the place over h. In the sign of (N.1) its rotation is
+/// -1/h. Least squares against these columns take a rigid motion out of a trace: P of (E.18).
 inline MotionTraces motion_traces(const Kernel& k, const Triangle& t, const Vec2& center, double h) {
   MotionTraces m;
   m.span.setZero(skeleton_count(k.element), 3);

@@ -1,3 +1,12 @@
+// One elimination for all straight triangles of one shape, material and penalty. What the elimination gives is linear
+// in the trace m, in the moments of the force and in theta, so that a column each of the interior (s, u, r) is made
+// once; a triangle turns it to its own numbering of edges, directions of points and signs of frames. Shapes that are
+// called equal differ by rounding, and so do their rigid motions R, which in slender bodies are far larger than the
+// strains:
+//   K <- P K P,   P = I - R (R'R)^-1 R'   [theory: E.18],
+// with the triangle's own R, so that its own motions cost no energy. Derived in docs/theory/elements.md, section
+// Slender bodies.
+
 #include "solver/element/shared_shape.hpp"
 
 #include "solver/element/motions.hpp"
@@ -55,6 +64,7 @@ void drop_motions(const Kernel& k, const Triangle& t, Condensed& c) {
 
 }  // namespace
 
+// Elements with packed kernels have all their unknowns on edges, in frames that turn by a sign.
 bool can_share(const Kernel& k) {
   return k.run->condense_packed != nullptr;
 }
@@ -69,6 +79,7 @@ bool can_share(const Triangle& t) {
   return true;
 }
 
+// All edges run counter-clockwise and all frames are (outward, along): the shape knows nothing of the mesh.
 Triangle turned(const Triangle& t, int turn) {
   Triangle to;
   for (int i = 0; i < 3; ++i) {
@@ -79,6 +90,7 @@ Triangle turned(const Triangle& t, int turn) {
   return to;
 }
 
+// Unit traces, unit moments and theta = 1, each through the ordinary elimination.
 SharedShape::SharedShape(const Kernel& k, const Triangle& of, const Material& material, double penalty, bool forced) {
   const int X = skeleton_count(k.element), U = forced ? displacement_count(k.element) : 0, T = penalty > 0 ? 1 : 0;
   const LocalTriangle plain{of, &material, forced ? ForceMoments::Zero(U).eval() : ForceMoments(), {.a = penalty}};
@@ -115,6 +127,7 @@ SharedShape::SharedShape(const Kernel& k, const Triangle& of, const Material& ma
   for (Eigen::Index u = 0; u < U; ++u) given_.col(u) = found[static_cast<std::size_t>(X + u)].forces.given;
 }
 
+// by_theta and own are numbers of the shape: they do not turn.
 Condensed SharedShape::condensed(const Kernel& k, const LocalTriangle& t) const {
   const Places p = places(k, t);
   const int X = static_cast<int>(K_.rows());

@@ -22,6 +22,7 @@ constexpr int stress_count(const Element& e) {
   return 4 * dim(e.stress) + 2 * (e.bubble + 1);
 }
 /// Dimension of the stress space of one triangle.
+/// E.10: constants and x tau_1 in two rows, 6. E.11: three symmetric components per monomial less the conditions.
 constexpr int stress_dimension(const Element& e) {
   switch (e.cut) {
     case Cut::None:

@@ -1,3 +1,13 @@
+// The adjoint of the discrete state, and linear problems on the tangent cone of its contact, by the factor of the
+// state. With J_z the derivative of a functional by the unknowns z of all triangles and edges, H their saddle matrix,
+//   H y = -J_z,   condensed   K mu = sum_T F_T + J_m   [theory: A.2, A.6],
+//   closed rows mu_j = -J_p,  moving rows (K mu)_j = J_j,  normal rows under slips mu_n = -J_pn - c (mu_t + J_pt)
+// [theory: A.9, A.10, A.15]. Where supports leave motions R free, dJ first loses its part on them [theory: A.7]. A
+// penalty is paid back by the rounds of solver/system/penalty.cpp; where bodies bend by far more than they are
+// strained, products triangle by triangle refine the solution [theory: E.17, E.19]. `ConeSolver::read` takes single
+// numbers of many solutions from half solves alone, q'K^-1 f = (L^-1 q).(L^-1 f) less what keeps held rows [theory:
+// T.38]. Derived in docs/theory/adjoint.md.
+
 #include "kerf/adjoint.hpp"
 
 #include "base/dense.hpp"
@@ -19,6 +29,7 @@ namespace kerf {
 
 namespace {
 
+// Members without a size are zero (Sensitivity).
 template <typename Array>
 void add(Array& a, const Array& b) {
   if (b.size() == 0) return;
@@ -30,6 +41,7 @@ void add(Array& a, const Array& b) {
 
 }  // namespace
 
+// J(R) of (A.7). The interior of a rigid trace is the motion as the element sees it, without stress.
 Eigen::VectorXd work_on_motions(const Model& m, const Sensitivity& dJ) {
   const Eigen::Index n = static_cast<Eigen::Index>(m.inner->floating.size());
   Eigen::VectorXd work = Eigen::VectorXd::Zero(n);
@@ -62,6 +74,7 @@ Eigen::VectorXd weigh_motion(const Model& m, Index t, const RigidMotion& motion)
 
 }  // namespace
 
+// (R, .) of (A.7) as derivatives by the interior coefficients; shares are G^-1 J(R).
 Sensitivity without_moments(const Model& m, Sensitivity dJ, const Eigen::VectorXd& share) {
   const std::vector<RigidMotion>& motions = m.inner->floating;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -97,6 +110,8 @@ std::vector<Index> beside_prescribed(const Model& m, const Eigen::VectorXd& pres
 }
 
 // A linear problem on the tangent cone: K x = F on the rows that move, x = jump on those that are held.
+// `loads.F` is less what prescribed values do, because the assembled K has no rows for them; `alone` is for products
+// that see all unknowns.
 struct Tangent {
   const Condensation& condensed;
   const TangentCone& cone;
@@ -109,6 +124,7 @@ struct Tangent {
 using Refining = std::unique_ptr<const Refinement>;
 
 // The largest load, that of the given jumps included.
+// Jumps that are given load the other rows by K g: without loads they alone set the scale.
 double size_of_right_side(const Tangent& of) {
   const Model& m = of.condensed.m;
   const Index rows = m.inner->ordering.size;
@@ -120,6 +136,8 @@ double size_of_right_side(const Tangent& of) {
 }
 
 // The solution again with products that do not lose what the rounding of K loses.
+// Prescribed values enter the exact products as part of x, so that the loads are those without their share (`alone`).
+// Two rounds remove what one leaves; with a penalty there are as many as for a state.
 PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, PenaltyIterate start, Refining& refining,
                               TangentField& result) {
   const Model& m = of.condensed.m;
@@ -145,6 +163,8 @@ PenaltyIterate refine_tangent(const Tangent& of, UniformPressure& uniform, Penal
 }
 
 // x'K x of the whole field, the prescribed values included, by the triangles beside those.
+// With x on rows and x' prescribed, (x + x')'K (x + x') = x . (K x + 2 K x') + x'.K x', the last term by the triangles
+// that see x'.
 double energy_of(const Tangent& of, const PenaltyIterate& s) {
   const Model& m = of.condensed.m;
   const Eigen::VectorXd moved = of.alone - of.loads.F;  // K x' of the prescribed x'
@@ -165,6 +185,10 @@ double energy_of(const Tangent& of, const PenaltyIterate& s) {
 }
 
 // Stops at the relative residual `enough`, or where the iteration gains no more. Fills in all but forces and interior.
+// Rounds: x moves by the solution for what is left of F - K x, held rows keep their jumps. Under sliding points the
+// dual jump of the normal row follows the slip after each round [theory: A.15]; forward the force of the tangential row
+// is its share of the normal one [theory: A.14], and no part of the residual. Elements with unseen traces are not
+// refined: K is singular there.
 PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double enough, Refining& refining,
                              TangentField& result) {
   const Model& m = of.condensed.m;
@@ -218,6 +242,8 @@ PenaltyIterate solve_tangent(const Tangent& of, UniformPressure& uniform, double
 
 }  // namespace
 
+// F_T of (A.6): -J_sigma, -J_u, -J_omega condensed onto the traces, in the order of the triangles, so that the sums do
+// not depend on threads.
 DualLoads dual_loads(const Model& m, const Sensitivity& dJ) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const bool penalized = m.inner->system.penalty > 0;
@@ -261,6 +287,7 @@ Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const TangentC
   return jump;
 }
 
+// The matrix of a cone with slides is not symmetric, and made of the dense S.
 void slide(Condensation& condensed, const TangentCone& cone, bool transposed) {
   if (cone.sliding.empty()) return;
   if (has_large_contact(condensed.m))
@@ -275,11 +302,13 @@ void require_rows(const Model& m, const TangentCone& cone, const char* who) {
     throw std::invalid_argument(std::string(who) + ": one entry per row in contact is needed");
 }
 
+// Adjoints have strains theta of their own: the rounds find them with the dual means.
 Penalty penalty_of(const Model& m, const PenaltyIterate& s, Index t) {
   return {penalty_at(m, t), m.inner->system.penalty > 0 ? s.theta[t] : 0};
 }
 
 // `load` less what the prescribed values do.
+// Only triangles beside the support see prescribed values: K x' costs their condensation.
 Eigen::VectorXd less_prescribed(const Model& m, Eigen::VectorXd load, const std::vector<double>& values) {
   Eigen::VectorXd prescribed = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
@@ -312,6 +341,8 @@ bool empty(const Sensitivity& s) {
   return s.interior.size() == 0 && s.skeleton.size() == 0 && s.force.size() == 0;
 }
 
+// A tangential row sticks where its jump is exactly the prescribed one: held rows are set, not computed. At open points
+// only a slip bound can hold it.
 std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   std::vector<ContactStatus> status(static_cast<std::size_t>(m.inner->ordering.contact_rows), ContactStatus::Open);
   const Index leading = m.inner->ordering.leading();
@@ -339,12 +370,14 @@ std::vector<ContactStatus> contact_status(const Model& m, const Field& state) {
   return status;
 }
 
+// Biactive rows move: their one-sided answer is built on that (A.12, A.13).
 std::vector<bool> tied(const std::vector<ContactStatus>& status) {
   std::vector<bool> held(status.size());
   for (std::size_t i = 0; i < held.size(); ++i) held[i] = status[i] == ContactStatus::Closed;
   return held;
 }
 
+// c = -sign(j_t) f of (A.14): zero, and no point of this list, where the faces are open or f = 0.
 std::vector<SlidingPoint> sliding_points(const std::vector<ContactPoint>& points, const std::vector<bool>& held,
                                          const Eigen::VectorXd& jump) {
   std::vector<SlidingPoint> found;
@@ -354,6 +387,7 @@ std::vector<SlidingPoint> sliding_points(const std::vector<ContactPoint>& points
   return found;
 }
 
+// Slips are counted from where the step of loading began (prescribed), as friction counts them.
 TangentCone tangent_cone(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   TangentCone cone(tied(status));
@@ -366,6 +400,9 @@ TangentCone tangent_cone(const Model& m, const Field& state) {
   return cone;
 }
 
+// Undecided are points that touch without pressure, that stick with |sigma_t| at the limit, and that move by a slip of
+// no size: there the derivative is one-sided and no minimum problem gives it. Limits and slips are compared with the
+// largest tractions of the crack.
 Undecided undecided_friction(const Model& m, const Field& state, Index crack) {
   Undecided found;
   const CrackLaw& law = m.scene.laws[crack];
@@ -407,6 +444,8 @@ Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields
   return weigh(model.inner->kernel, triangle(model, t), x, weights);
 }
 
+// The interiors follow from the traces less their rigid motion, under the triangle's own -J; the motion is added to p
+// and rho alone, since it has no stress zeta.
 TangentField solve_adjoint(const Model& m, const Sensitivity& given, const TangentCone& cone) {
   require_rows(m, cone, "solve_adjoint");
   const Sensitivity dJ = balanced(m, given);
@@ -443,6 +482,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const Tange
   return adjoint;
 }
 
+// The interior of the motions is subtracted as the element sees them, so that stresses stay.
 Field without_motions(const Model& m, Field dual) {
   if (m.inner->floating.empty()) return dual;
   const Eigen::VectorXd share = floating_shares(m, dual);
@@ -457,6 +497,8 @@ Field without_motions(const Model& m, Field dual) {
   return dual;
 }
 
+/// The small block of the cone, uniform pressures and exact products are made at the first solve that needs them, and
+/// kept.
 struct ConeSolver::Impl {
   Condensation condensed;
   TangentCone cone;
@@ -470,6 +512,7 @@ struct ConeSolver::Impl {
     Twofold values;
   };
 
+  // The condensed solution alone: the interiors, the larger part of the work, follow where they are asked for.
   Traced trace(const Eigen::VectorXd& load, const std::vector<double>& prescribed, double enough) {
     const Model& m = condensed.m;
     const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -545,6 +588,7 @@ class Halves {
     for (std::size_t i = 0; i < loads.unknowns.size(); ++i) place_[loads.unknowns[i]] = static_cast<Index>(i);
   }
 
+  // Each load less K x' of the problem's own prescribed values; triangles are condensed once for all columns.
   Columns of_loads() const {
     Columns columns(static_cast<std::size_t>(loads_.load.cols()));
     for (std::size_t i = 0; i < loads_.unknowns.size(); ++i)
@@ -565,6 +609,7 @@ class Halves {
   }
 
   /// The reading by the skeleton, and what it finds in the prescribed values.
+  /// The dual load of a triangle is the derivative of the reading by its traces, the interior eliminated (A.6).
   std::pair<HalfSolved::Column, double> of_reading(const Reading& r) const {
     const SkeletonVector by =
         condense_dual(m_.inner->kernel, triangle(m_, r.t), material_of(m_.mesh, m_.scene, r.t), r.weights).F;
@@ -597,6 +642,9 @@ class Halves {
 
 }  // namespace
 
+// products = (L^-1 C)'(L^-1 C) with columns C = (loads, readings, unit vectors e_h of held rows): with A = C'K^-1 C the
+// answer is A_qf - A_qh A_hh^-1 A_hf. Slides of pieces are replaced in S, not in the factor, so that half solves would
+// not see them: no answer then.
 std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span<const Reading> readings) const {
   const Model& m = impl_->condensed.m;
   const Ordering& o = m.inner->ordering;
@@ -646,6 +694,7 @@ std::vector<TangentField> ConeSolver::solve_all(std::size_t count,
   return fields;
 }
 
+/// The public solver: a cone without sliding points.
 struct TangentSolver::Impl {
   Impl(const Model& m, std::vector<bool> held) : solver(m, TangentCone(std::move(held))) {}
   ConeSolver solver;
@@ -674,6 +723,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& dJ, const std::vec
   return solve_adjoint(m, dJ, TangentCone(held));
 }
 
+// J_(j_t) = p_t of (A.17), frozen. Forces of closed normal rows are in it, too, but their jumps do not change.
 Sensitivity work_of_slips(const Field& s) {
   return {.interior = {}, .skeleton = s.force, .force = {}};
 }

@@ -1,3 +1,10 @@
+// A first set for contact from another mesh of the same body: what the faces do along the share of each crack's length,
+// open or closed and the sign of the slide. Contact ends between two points of that mesh, where the pressure, which
+// falls like the root of the distance from the end, has fallen to nothing: with the last two pressures p_1 < p_2 at
+// distance s
+//   d_1 = s p_1^2/(p_2^2 - p_1^2)   [theory: C.33].
+// Many cracks and large contact need few sets then. Derived in docs/theory/contact.md, section Large contact.
+
 #include "solver/state/guess.hpp"
 
 #include <algorithm>
@@ -49,6 +56,8 @@ bool alike(const FaceMotion& a, const FaceMotion& b) {
 }
 
 /// Where contact ends beyond `last`, by the pressure there and at the point before it, and before `open`.
+/// p^2 is linear in the distance from the end: d_1 = s p_1^2/(p_2^2 - p_1^2), at most up to the open point. Where the
+/// pressure does not fall towards the end it is put half way.
 double end_of_contact(const FacePoint& before, const FacePoint& last, const FacePoint& open) {
   const double p = last.pressure * last.pressure, fall = before.pressure * before.pressure - p,
                room = open.at - last.at, step = last.at - before.at;
@@ -76,6 +85,7 @@ ContactGuess contact_guess(const Model& m, const Field& state) {
   return guess;
 }
 
+/// A guess of another number of cracks is none.
 std::vector<Motion> motions_of(const Mesh& mesh, const Skeleton& s, const Ordering& o, const Kernel& k,
                                const ContactGuess& guess, const PartOfPaths* part) {
   if (guess.size() != mesh.cracks.size()) return {};

@@ -1,3 +1,11 @@
+// Work and dissipation of a body under loads in steps, with friction that remembers what has slid. On the straight line
+// between two states
+//   D = sum 1/2 (l_before + l) |dj_t|,   l = slip bound + f p_n   [theory: C.29],
+//   W = 1/2 (F_before + F).du + 1/2 (q_before + q).du_D           [theory: C.30],
+// q the reactions; W is the energy gained plus D, exactly, where every row keeps what it does within the step. Slips of
+// a step are jumps less where the step before left them, the prescribed values of frictional rows [theory: C.28].
+// Derived in docs/theory/contact.md, section Steps of loading.
+
 #include "solver/history.hpp"
 
 #include "kerf/recover.hpp"
@@ -46,6 +54,7 @@ std::vector<Index> unknowns(const Model& m) {
 }
 
 // Of friction, on the tangential rows in contact.
+// Pressures below zero are rounding at open points: no friction from them.
 Eigen::VectorXd limits(const InHistory& of) {
   const std::vector<Index> unknown = unknowns(of.model);
   Eigen::VectorXd limit = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknown.size()));
@@ -80,6 +89,7 @@ double dissipation_between(const InHistory& from, const InHistory& to) {
   return 0.5 * (before + limits(to)).dot(slips(to));
 }
 
+// The unloaded body has no pressures: its limits are the slip bounds alone.
 double dissipation_from_rest(const InHistory& to) {
   Eigen::VectorXd before = Eigen::VectorXd::Zero(to.model.inner->ordering.contact_rows);
   for (const ContactPoint& p : contact_points(to.model))
@@ -92,6 +102,8 @@ double work_from_rest(const InHistory& to) {
          (work_of_loads(to.model, to.state) + on_supports(to.model, support_forces(to.model, to.state), to.state));
 }
 
+// Reactions of both states act on the motion of the supports between them: the trapezoidal rule, exact on a straight
+// line.
 double work_between(const InHistory& from, const InHistory& to) {
   Field moved = to.state;
   moved.skeleton -= from.state.skeleton;
@@ -112,6 +124,7 @@ std::vector<double> slip_profile(const Model& m, const Field& s, Index crack) {
   return slip;
 }
 
+// A held row is exactly where the step before left it, so that 0 tells sticking.
 SlipLengths slip_lengths(const Model& m, const Field& s) {
   SlipLengths lengths;
   for (std::size_t c = 0; c < m.mesh.cracks.size(); ++c) {

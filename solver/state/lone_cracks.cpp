@@ -1,3 +1,11 @@
+// A first set for contact on many cracks: each crack alone in an infinite body, under the tensions t that the body
+// without cracks has where it lies. With constant openings w_j on 48 equal parts, up to a factor,
+//   A w - t = p,   A_ij = 1/(i - j + 1/2) - 1/(i - j - 1/2),   w, p >= 0,   w.p = 0   [theory: C.36],
+// the pressures at the middles of the parts of dislocations at their ends. A is positive on the diagonal alone, so that
+// exchanging all wrong parts settles at once. Straight cracks without friction, gap and fluid; others begin closed. For
+// bodies whose coarser meshes are not much smaller, because every tip needs short edges. Derived in
+// docs/theory/contact.md, section Large contact.
+
 #include "solver/lone_cracks.hpp"
 
 #include "base/dense.hpp"
@@ -50,6 +58,7 @@ std::vector<bool> opened(const Eigen::MatrixXd& A, const Eigen::VectorXd& tensio
 struct Station {
   Vec2 at, along;
 };
+/// By the share of the length of the path; a path with kinks is taken as if it were straight.
 Station station(const std::vector<Vec2>& path, double share) {
   double whole = 0;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) whole += (path[i + 1] - path[i]).norm();
@@ -66,6 +75,7 @@ bool is_plain(const CrackLaw& law) {
 
 }  // namespace
 
+/// A station that lies in no triangle has no tension: its part begins closed.
 ContactGuess lone_cracks_guess(const Shape& shape, const Element& e, const Scene& scene, double size, int threads) {
   Shape bare = shape;
   bare.cracks.clear();

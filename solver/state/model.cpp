@@ -1,3 +1,13 @@
+// A body made ready to be solved, in the order of the data: what acts is integrated with proofs (solver/data), unknowns
+// are numbered, supports checked, pieces that contact alone holds found, rows ordered, the condensed system assembled
+// and factorized. Where supports leave motions r_i free the loads must balance on them to 1e-3; the body force
+//   f - sum_i share_i r_i,   share = G^-1 (work of the loads on r_i),   G_ij = int r_i . r_j   [theory: A.7]
+// takes out what is left, and pins fix as many unknowns. The matrix goes to one of these: the Cholesky factor with rows
+// in contact last (C.7); with springs where contact alone holds pieces (C.24); a factor for each set of held rows where
+// there are too many for a dense S (C.31); parts on several processes (E.31); a factor in single precision with
+// conjugate gradients (E.32); LU where K is indefinite. Also here: models under other loads by the same factor,
+// energies and works of a field. Derived in docs/theory/elements.md and docs/theory/contact.md.
+
 #include "kerf/model.hpp"
 
 #include "base/kept_memory.hpp"
@@ -35,6 +45,8 @@ struct Loaded {
 };
 
 // Loads in equilibrium hold a body that is in one piece by themselves.
+// After balancing, body force and its data are integrated anew, so that what is called balanced is balanced in the
+// solve.
 std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const Skeleton& s, Loaded& loaded,
                                         std::vector<std::string>& notes) {
   Scene& scene = loaded.scene;
@@ -109,6 +121,7 @@ void note_corner_loads(const Mesh& mesh, const Kernel& k, const Scene& scene, co
 }
 
 /// Where the small matrix of contact has to be dense. Throws Error(Numerics) that names where the many edges are.
+/// The dense S takes rows^2 numbers and rows^3 work.
 void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
   constexpr Index most = 9000;  // half a minute and two gigabytes
   if (rows <= most) return;
@@ -134,8 +147,11 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
 }
 
 // What comes before the matrix: the loads checked against the supports, the unknowns numbered.
+// Moved into a Model in the end. `held`, `start` and `own` are filled by those who need them.
 struct Prepared {
   /// `like`: of the same body under other loads, or null.
+  /// Under other loads the pins must be those of `like`: its factor has no rows for them. Standing pieces come last,
+  /// because they may add rows in contact to the numbering.
   Prepared(Mesh of, Kernel by, Scene under, int on, const Skeleton* like = nullptr)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
     const Bows bows = bows_of(mesh, kernel.element);
@@ -171,6 +187,7 @@ struct Prepared {
   }
 
   /// Whether contact goes without its dense matrix.
+  /// Interfaces are read off the last block of a factor and springs act on it, which a factor per set does not have.
   bool is_large(Index contact_rows, const Preparation& how) const {
     return how.factorize && contact_rows > how.most_dense && how.interface_edges.empty() && standing.empty() &&
            skeleton.unseen.empty() && is_definite(kernel.element);
@@ -223,6 +240,7 @@ void check_parted(const Element& e, const Preparation& how) {
 }
 
 /// Whether there are enough triangles; else a note.
+/// A part of a few triangles would share most of its unknowns.
 bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::string>& notes) {
   if (ranks.count() == 1) {
     notes.emplace_back("backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
@@ -241,11 +259,13 @@ constexpr const char* stays_double =
     "a factor in single precision does not serve here: the factor is kept in double precision";
 
 /// Whether its matrix is definite as it is, and nobody asks for the factor itself.
+/// Rows of an interface are read off the last block of the factor, which a leading solver does not have.
 bool can_be_rounded(const Prepared& made, const Element& e, const Preparation& how) {
   return is_definite(e) && made.skeleton.unseen.empty() && how.interface_edges.empty();
 }
 
 /// With the springs that hold what contact alone holds.
+/// The first entry of a column is its diagonal.
 LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
   LowerTriangle held = k;
   for (Index i = 0; i < o.contact_rows; ++i) held.values[held.start[o.leading() + i]] += standing.springs[i];
@@ -257,6 +277,7 @@ LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& 
 namespace {
 
 /// All that `order` looks at.
+/// Compared in full, which costs little beside an order.
 bool same_topology(const Mesh& m, const Skeleton& s, const Mesh& n, const Skeleton& o) {
   const auto same_cracks = [&] {
     return std::ranges::equal(m.cracks, n.cracks, [](const auto& a, const auto& b) {
@@ -272,12 +293,14 @@ bool same_topology(const Mesh& m, const Skeleton& s, const Mesh& n, const Skelet
 }
 
 /// The factor of a model that nobody else has, or null.
+/// A factor that another model shares must keep its values.
 std::shared_ptr<Factor> taken_from(Model model) {
   if (model.inner.use_count() != 1 || model.inner->factor.use_count() != 1) return nullptr;
   return std::const_pointer_cast<Factor>(model.inner->factor);
 }
 
 /// The factor of K in the memory of one with its pattern; anew where that is lost.
+/// A refactorization that fails leaves no values: the factor is made anew, with the shift that this may need.
 std::shared_ptr<Factor> factor_in(std::shared_ptr<Factor> there, const LowerTriangle& K, const Element& e,
                                   const Ordering& ordering, int threads) {
   if (there) try {
@@ -295,6 +318,7 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
 
 }  // namespace
 
+/// A linear field carries enclosures, so that the body force stays proved.
 Scene balanced(Scene scene, const std::vector<RigidMotion>& motions, const Eigen::VectorXd& share) {
   const auto force = [motions, share](const Vec2& x) {
     Vec2 force = Vec2::Zero();
@@ -305,6 +329,8 @@ Scene balanced(Scene scene, const std::vector<RigidMotion>& motions, const Eigen
   return scene;
 }
 
+/// Pins are named by the points of their edge, which every process has with the same bits; after divisions the first
+/// piece of the edge keeps the end a.
 Floating floating_of(const Model& m, int divisions) {
   const Inner& inner = *m.inner;
   if (inner.floating.empty()) return {};
@@ -319,6 +345,7 @@ Floating floating_of(const Model& m, int divisions) {
   return f;
 }
 
+/// No matrix of its own: the order has no dissection, loads alone are assembled, and the factor is empty.
 Model prepare_part(Mesh mesh, const Element& e, Scene scene, int threads, OwnShare own, const Floating& floating) {
   check_parted(e, {});
   Stopwatch watch;
@@ -375,6 +402,9 @@ Model prepare_moved(Mesh mesh, const Element& e, Scene scene, int threads, Model
 
 namespace {
 
+/// Where the triangles at the feet of pieces are too large the mesh is bisected there and all begins anew; not where a
+/// mesh must stay (moved or ordered before), nor below 1e-4 of the largest edge. Of the model before its factor is
+/// taken last, when nothing can be refused any more.
 Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
                    std::shared_ptr<Ranks> ranks, Model* before, std::span<const Index> sequence) {
   if (ranks) check_parted(e, how);
@@ -454,6 +484,7 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
 }
 
 // `before`: the state whose slips go on, or nothing.
+// Slips of the step before are prescribed values of frictional jumps: friction counts from there [theory: C.28].
 Model reloaded(const Model& m, Scene scene, const Field* before, bool with_matrix = true) {
   Stopwatch watch;
   Prepared made(m.mesh, m.inner->kernel, std::move(scene), m.threads, &m.inner->skeleton);
@@ -493,6 +524,7 @@ bool certified(const State& state) {
   return state.converged && state.certificate.kkt <= no_digits && state.certificate.work <= no_digits;
 }
 
+/// Defects are relative: 1e-n leaves n digits.
 std::string lost_digits(const State& state) {
   const Certificate& c = state.certificate;
   const double worst = std::max(c.kkt, c.work);
@@ -511,6 +543,7 @@ Triangle triangle(const Model& model, Index t) {
   return triangle(model.mesh, model.inner->skeleton, t);
 }
 
+/// A mesh without arcs has no curved triangle: its areas need no map.
 double cell_area(const Model& m, Index t) {
   return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(cell_of(m.mesh, m.inner->skeleton.bows, t));
 }
@@ -524,6 +557,8 @@ Fields evaluate(const Model& model, const Field& state, Index t, const Points& x
   return evaluate(model.inner->kernel, triangle(model, t), state.interior.col(t), x);
 }
 
+/// 1/2 (A s, s) with the skew part of s in dev s (N.4), as the elements have it; the orthotropic share on the symmetric
+/// part.
 double strain_energy(const Model& m, const Field& s) {
   double energy = 0;
   for (Index t = 0; t < own_triangles(m); ++t) {
@@ -548,6 +583,7 @@ double strain_energy(const Model& m, const Field& s) {
   return energy;
 }
 
+/// Moments are means against the stress functions over the area of the triangle of the chords.
 double work_of_eigenstrain(const Model& m, const Field& s) {
   double work = 0;
   if (m.inner->data.strain.empty()) return work;
@@ -568,6 +604,7 @@ Mat2 barycentric_slopes(const Mesh& mesh, Index t) {
 }
 
 // (l1, l2) of points; of a curved triangle those that its map takes there.
+// Straight: an affine map; curved: by Newton's method (cell_coordinates).
 Points barycentric(const Model& m, Index t, const Points& x) {
   const Triangle shape = triangle(m, t);
   if (!is_curved(shape)) return barycentric_slopes(m.mesh, t) * (x.colwise() - m.mesh.points[m.mesh.triangles[t][0]]);
@@ -583,6 +620,7 @@ Eigen::Matrix4Xd eigenstrain_at(const Model& m, double share, Index t, const Poi
   return share * strain_at(m.inner->data.strain, t, barycentric(m, t, x));
 }
 
+/// The polynomial is one in (l1, l2), whose slopes by x are those of the triangle of the chords times D^-1 of its map.
 Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, int axis) {
   const Mat2 inverse = barycentric_slopes(m.mesh, t);
   const Points l = barycentric(m, t, x);
@@ -598,6 +636,7 @@ Eigen::Matrix4Xd eigenstrain_slope_at(const Model& m, Index t, const Points& x, 
   return slope;
 }
 
+/// Tractions on the traces, body force by the moments that the element sees.
 double work_of_loads(const Model& m, const Field& s) {
   double work = 0;
   for (Index u = 0; u < m.inner->skeleton.total; ++u)

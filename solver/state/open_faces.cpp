@@ -1,3 +1,5 @@
+// Whether faces that may touch are open everywhere, and the same body with cracks that never touch.
+
 #include "solver/open_faces.hpp"
 
 #include "kerf/recover.hpp"

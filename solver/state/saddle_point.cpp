@@ -1,3 +1,13 @@
+// The saddle point (C.2) as it stands, factorized as a whole by UMFPACK: the reference for the condensed systems.
+// Unknowns are tractions T at the Gauss points of edges, one value for both sides, the stress functions of each
+// triangle without traction, u and omega; a crack is a set of interior edges on which T lies in the cone,
+//   T_n <= 0,   T_t = 0 at the Gauss points of cracks,   multipliers: the jumps   [theory: C.13].
+// Stress functions dual to the tractions come from C' = Q R P', C the moments of s n: Q R'^-1 P' has unit moments, the
+// rest of Q none. Rows in contact that move have given tractions, the others are solved for; a factor per set.
+// Displacements and rotations are multiplied by 2 mu, equations by h^2: all unknowns are stresses, all rows forces.
+// Nothing degenerates at nu = 1/2, so that no penalty is needed; in an enclosed body a multiplier fixes the mean
+// pressure. Derived in docs/theory/contact.md, section Saddle point without elimination.
+
 #include "solver/saddle_point.hpp"
 #include "solver/recovery.hpp"
 
@@ -50,6 +60,9 @@ struct Local {
   Eigen::VectorXd sign;  // of n per traction
 };
 
+// The sign turns the triangle's outward traction into that of the edge's own normal; share/h scales moments to values
+// at Gauss points. A rank below the number of moments at 1e-8 means a triangle so flat that its tractions depend on
+// each other.
 Local local(const Model& m, const Layout& layout, Index t) {
   const Triangle shape = triangle(m, t);
   Local l{local_system(m.inner->kernel, shape, material_of(m.mesh, m.scene, t), force_of(m.inner->system, t)),
@@ -101,6 +114,7 @@ Local local(const Model& m, const Layout& layout, Index t) {
   return l;
 }
 
+// The unknowns that the skeleton has for traces stand for tractions here: one number per Gauss point and component.
 Layout lay_out(const Model& m) {
   Layout layout;
   const Element& e = m.element;
@@ -119,6 +133,7 @@ Layout lay_out(const Model& m) {
 }
 
 // The system over all unknowns, as if no traction were given.
+// The lower triangle alone: LU makes both halves of it.
 struct Saddle {
   LowerTriangle matrix;
   Eigen::VectorXd load;
@@ -129,6 +144,7 @@ struct Entry {
   double value;
 };
 
+// Entries are filed by columns, then sorted by rows; equal ones are added in the order of the triangles.
 LowerTriangle sum_up(Index size, const std::vector<Entry>& entries) {
   std::vector<Index> start(size + 1, 0);
   for (const Entry& e : entries) ++start[e.column + 1];
@@ -156,6 +172,7 @@ LowerTriangle sum_up(Index size, const std::vector<Entry>& entries) {
   return a;
 }
 
+// Supports: <u_D, t n> with t dual to the traction at a Gauss point is share times u_D there.
 Saddle assemble_saddle(const Model& m, const Layout& layout) {
   Saddle saddle;
   saddle.load = Eigen::VectorXd::Zero(layout.size);
@@ -190,6 +207,8 @@ struct Given {
   Eigen::VectorXd fluid;       // and the force of the fluid in the crack, which the traction bears besides
 };
 
+// On free boundary edges and on open cracks tractions are known; rows in contact decide theirs. What the fluid in a
+// crack presses is borne besides.
 Given given_tractions(const Model& m, const Layout& layout) {
   const Skeleton& s = m.inner->skeleton;
   Given g{std::vector<bool>(layout.size, false), Eigen::VectorXd::Zero(layout.size),
@@ -232,6 +251,8 @@ struct Solver {
     for (std::size_t i = 0; i < moving.size(); ++i) k[given.contact[i]] = moving[i] != Motion::Held;
     return k;
   }
+  // Known unknowns have no row: their columns go to the right-hand side. Friction that slides forward or backward is
+  // one set for the factor.
   void factorize(const std::vector<Motion>& moving) {
     const std::vector<bool> k = known(moving);
     if (lu && k == known(motion)) return;
@@ -256,6 +277,8 @@ struct Solver {
     lu.emplace(a);
   }
   /// All unknowns when the moving rows carry `force`.
+  /// T = -(p + fluid)/share: what a moving row bears is its force and what the fluid presses, over the length of its
+  /// point.
   Eigen::VectorXd solve(const std::vector<Motion>& moving, const Eigen::VectorXd& force) {
     factorize(moving);
     Eigen::VectorXd x = given.value;
@@ -290,6 +313,8 @@ struct Solver {
   }
 };
 
+// Residual relative to the largest right-hand side of the rows that are solved for, kkt with forces relative to the
+// largest traction.
 Certificate certificate_of(const Solver& s, const Eigen::VectorXd& x, const std::vector<ContactPoint>& points,
                            const Contact& contact) {
   Eigen::VectorXd known = x;
@@ -311,6 +336,7 @@ Certificate certificate_of(const Solver& s, const Eigen::VectorXd& x, const std:
 }
 
 // |2 strain energy - work of loads, supports and friction|, relative [theory: E.21]: from the stresses alone.
+// 2 strain energy plus (e, s) equals the work of loads, supports and contact: with an eigenstrain (H.4).
 double work_defect(const Model& m, const Field& state) {
   const Skeleton& s = m.inner->skeleton;
   const Kernel& k = m.inner->kernel;
@@ -334,6 +360,8 @@ double work_defect(const Model& m, const Field& state) {
 }
 
 // Base values of an edge are those of its left triangle, or the only one.
+// Traces follow from the equations tested with the dual functions: (A s, t) + (u, div t) + (r, as t) = <m, t n> has the
+// trace at one Gauss point on its right side.
 void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
   const Model& m = solver.m;
   const Layout& layout = solver.layout;
@@ -387,6 +415,8 @@ void recover(const Solver& solver, const Eigen::VectorXd& x, Field& state) {
 
 // The strain of a stiff region is the difference of displacements that the rest of the body makes as large as it
 // likes, so that their rounding is a stress there: how large, relative to the mean one. The equations do not tell.
+// Rounding of u over the size of a triangle is a strain, times mu a stress: added to the certificate, since equations
+// in stresses do not show it.
 double rounding_in_stiff_regions(const Model& m, const State& state) {
   constexpr double rounding = 20 * std::numeric_limits<double>::epsilon();  // as measured against closed forms
   double largest = 0;
@@ -402,6 +432,7 @@ double rounding_in_stiff_regions(const Model& m, const State& state) {
 
 }  // namespace
 
+// It has no gap, no pieces that contact alone holds and no curved triangles: these are refused.
 State solve_saddle_point(const Model& m) {
   require_straight(m, "the saddle-point system (backend \"umfpack\")");
   if (std::ranges::any_of(m.scene.laws, has_gap))

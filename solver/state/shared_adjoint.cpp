@@ -1,3 +1,12 @@
+// Adjoints and one-sided responses of a body whose parts several processes have: the linear problems of adjoint.cpp on
+// the tangent cone of the contact, each process with its own triangles and rows,
+//   K mu = sum_T F_T + J_m,   mu_j = -J_p on closed rows   [theory: A.6, A.10],
+// found as the state is, by rounds of x_u <- x_u + (K^-1 r)_u [theory: E.34] in the system in which closed rows are
+// held. With Coulomb's friction normal rows under sliding points have mu_n = -J_pn - c (mu_t + J_pt) [theory: A.15]:
+// linear in these jumps, which GMRES [Saad, Schultz 1986] finds, a solve per step. Where faces touch without pressure,
+// each such point takes a solve, and the matrix of their openings is that of (A.12). Derived in docs/theory/adjoint.md
+// and docs/theory/elements.md, section Solving in parts.
+
 #include "base/dense.hpp"
 #include "base/parallel.hpp"
 #include "solver/contact/gmres.hpp"
@@ -43,6 +52,7 @@ void fill_interior(const Model& m, const Twofold& x, const Eigen::VectorXd& thet
 
 }  // namespace
 
+// Jumps of held rows are put into x before the first round, and their forces are then unmet like any others.
 SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, TangentField& field) {
   const Skeleton& s = model.inner->skeleton;
   const bool penalized = model.inner->system.penalty > 0 && !problem.one_sweep;
@@ -87,6 +97,7 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
   return best;
 }
 
+// Own rows of all processes, one process after the other: the numbers of find_contact.
 std::vector<ContactStatus> SharedBody::Impl::status(const Field& state) {
   const std::vector<ContactStatus> here = contact_status(model, state);
   std::vector<ContactStatus> own;
@@ -100,6 +111,8 @@ std::vector<SlidingPoint> SharedBody::Impl::sliding(const Field& state, const st
   return sliding_points(points, held, on_contact(state.skeleton) - gaps);
 }
 
+// x = B x + b in the jumps x of the normal rows: b is what the problem asks of them at x = 0, B x what a solve without
+// loads asks at x.
 void SharedBody::Impl::tie(Problem& problem, const std::vector<SlidingPoint>& sliding, int& solves) {
   if (sliding.empty()) return;
   const auto n = static_cast<Eigen::Index>(sliding.size());
@@ -132,6 +145,7 @@ void SharedBody::Impl::tie(Problem& problem, const std::vector<SlidingPoint>& sl
   if (!asked.isZero(0)) put(gmres(answer, asked, enough * asked.norm()), problem.jump);
 }
 
+// The residual counts what the tie between slips and normal jumps lacks, too.
 TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ) {
   if (!model.inner->floating.empty()) {
     Eigen::VectorXd work = work_on_motions(model, dJ);
@@ -174,6 +188,7 @@ TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ)
   return field;
 }
 
+// One sweep of the penalty: theta stays 0, as OpenSolve has it.
 Eigen::VectorXd SharedBody::Impl::solve_open(const Eigen::VectorXd& forces) {
   TangentField field;
   solve_linear({.held = std::vector<bool>(static_cast<std::size_t>(contact_rows), false),
@@ -185,6 +200,7 @@ Eigen::VectorXd SharedBody::Impl::solve_open(const Eigen::VectorXd& forces) {
   return field.skeleton;
 }
 
+// S_ki of (A.12); symmetrized, because the solves end at a tolerance.
 OneSided SharedBody::Impl::one_sided(const Field& state) {
   const std::vector<ContactStatus> of = status(state);
   std::vector<Index> rows;

@@ -21,6 +21,8 @@ struct HeldSystem {
   }
 };
 
+/// All processes call these functions together, in the same order, but for those that talk to nobody: on_own_rows,
+/// jump_at, unmet, force_of_rounding, effort, drop_factor, leading_rows.
 struct SharedBody::Impl {
   Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
        const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole);

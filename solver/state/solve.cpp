@@ -1,3 +1,12 @@
+// The state: K x = F + contact forces, under the law of the rows in contact. Rounds of one linear solve with its
+// contact problem (solver/system/penalty.cpp) remove residuals and pay back the penalty of nearly incompressible
+// triangles. What comes out is judged triangle by triangle, free of the rounding of K,
+//   a(x, x) = sum_T x.P K_T P x,   W = l.x + g.rho + j.p,   a - W = -x.r   [theory: E.20],
+// work error = max(|a - W|/a, (r.K^-1 r/a)^(1/2))   [theory: E.21],   kkt = max |p - P(p - j)|   [theory: C.12]. Where
+// that says that digits are lost (bodies that bend by far more than they are strained) conjugate gradients on the exact
+// products take over [theory: E.19], and the better of both states is kept. Derived in docs/theory/elements.md, section
+// Slender bodies, and docs/theory/contact.md, sections Algorithms and How well a contact problem is solved.
+
 #include "solver/system/refine.hpp"
 
 #include "solver/system.hpp"
@@ -17,6 +26,7 @@ namespace kerf {
 
 namespace {
 
+// Never 0: an unloaded body divides by it.
 double size_of_loads(const Model& m) {
   return std::max(m.inner->system.F.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
 }
@@ -28,6 +38,8 @@ struct Judged {
 };
 
 // The contact forces, |K x - F| on the rows that no contact holds, and how far jumps and forces are from the law.
+// Moving rows are given the force that the law has for their motion; what K x - F differs from that by is residual.
+// Held ones take what there is, which the law judges.
 void certify_iterate(const Condensation& condensed, const Judged& by, PenaltyIterate& s) {
   const Model& m = condensed.m;
   const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.leading();
@@ -53,6 +65,8 @@ void certify_iterate(const Condensation& condensed, const Judged& by, PenaltyIte
 }
 
 // Jumps and forces of the whole sparse system for `active_set`.
+// Method "active-set": S finds the jumps, but the forces are those of the whole sparse matrix, so that what S misses
+// shows on the rows that move.
 Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const Eigen::VectorXd& y,
                   const std::vector<Motion>& guess) {
   const Eigen::VectorXd r = condensed.load(y);
@@ -65,6 +79,7 @@ Contact eliminate(const Condensation& condensed, const Eigen::VectorXd& b, const
 }
 
 // K x on the rows in contact.
+// Only entries in the last rows are gone through: a small share of K.
 class ForcesInContact {
  public:
   ForcesInContact(const LowerTriangle& K, Index rows)
@@ -86,6 +101,8 @@ class ForcesInContact {
 };
 
 // Where there is no dense matrix of contact: by factors of the whole. Moves s.x on to the solution.
+// The same set and the same forces as the last ones are not solved for twice: the exact limits of a set without
+// friction are its rough ones.
 Contact contact_by_factors(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& F,
                            PenaltyIterate& s) {
   const Inner& inner = *condensed.m.inner;
@@ -226,6 +243,8 @@ Remembered remembered(const Model& m) {
 
 // The state of an iterate, certified triangle by triangle: the residual, contact and friction by the exact forces, and
 // the work [theory: E.20, E.21].
+// Work of prescribed values: reactions, K x - F on the fixed unknowns, times these. Sizes of rounding and of remembered
+// slips stand in where a body that is unloaded or moves as a whole has no energy to compare with.
 Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const Model& m = condensed.m;
   const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
@@ -268,6 +287,8 @@ double defect(const Certificate& c) {
 
 // Contact by the exact forces and the S of the factor, which is as far off as its matrix; then conjugate gradients with
 // the rows held that it holds; until the set stays. `largest`: Drive::largest.
+// The set of the small problem is that of the factor's S; its forces are not: with exact residuals its fixed points are
+// exact. It ends when the law holds to 1e-12, or when a sweep does not halve what it lacks.
 struct Settling {
   const Condensation& condensed;
   const Refinement& refinement;
@@ -303,6 +324,8 @@ struct Settling {
 
  private:
   // The next set of motions, and F with the forces of the rows that move.
+  // The small problem is about whole jumps: S (j - j_0) = r + p with r the residual on the contact rows, so that j_0 is
+  // added on the right.
   Eigen::VectorXd exchange(const Eigen::VectorXd& F, const Eigen::VectorXd& rest, const Eigen::VectorXd& jump,
                            PenaltyIterate& s) const {
     const Eigen::VectorXd y = condensed.m.inner->factor->forward(rest);
@@ -329,6 +352,8 @@ bool loses_digits(const State& state) {
 
 // Slender bodies: the same rounds with products that do not lose what the rounding of K loses. Keeps the better state.
 // What drives a body by prescribed motions is known only when it is solved, so that there may be another time.
+// The loads are those summed triangle by triangle, which the exact products are compared with. A state that is not
+// better is put back.
 void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform, PenaltyIterate& solution,
             State& state) {
   const Model& m = condensed.m;
@@ -361,6 +386,7 @@ void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform
 
 }  // namespace
 
+// Stresses stay as they are; displacement and rotation lose the mean motion.
 void remove_motions(const Model& m, Field& s) {
   remove_motions(m, floating_shares(m, s), s);
 }
@@ -379,6 +405,8 @@ Eigen::VectorXd floating_shares(const Model& m, const Field& s) {
   return shares(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->floating, floating_moments(m, s));
 }
 
+// int u . r_i with r_i as the element's displacement sees it (seen_points): the mean rotation of a piecewise constant
+// displacement is that of its centroids.
 Eigen::VectorXd floating_moments(const Model& m, const Field& s) {
   const Index n = static_cast<Index>(m.inner->floating.size());
   const Kernel& k = m.inner->kernel;
@@ -397,6 +425,7 @@ Eigen::VectorXd floating_moments(const Model& m, const Field& s) {
   return moment;
 }
 
+// A slip bound is a stress: the force is that times the share of the curve's length, |dx/ds| w_g.
 std::vector<ContactPoint> contact_points(const Model& m) {
   const Index leading = m.inner->ordering.leading();
   std::vector<ContactPoint> points;
@@ -438,6 +467,8 @@ void check_volume(double change, double largest_strain, double displacement, dou
                             change));
 }
 
+// With a penalty up to 40 rounds: eight reach rounding where uniform pressures are taken out, more while contacts
+// change. Without it rounds remove rounding alone, or what the shift of a singular K costs.
 State solve(const Model& m, ContactMethod method) {
   State state;
   Stopwatch watch;

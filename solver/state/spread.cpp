@@ -1,3 +1,13 @@
+// The state of a body whose parts several processes have. Each condenses its own triangles and knows neighbors around
+// them, so that with its own rows u it has all forces on them,
+//   r_u = F_u - sum_{T touching u} (K_T P_T x)_u,   x_u <- x_u + (K^-1 r)_u   [theory: E.34],
+// K^-1 by conjugate gradients of all processes (solver/system/bddc.cpp). The first process that sees an unknown answers
+// for it, and tells the others its values; x is kept in twice the precision. Contact is an active set: each set of held
+// rows is a system of its own, in which moving jumps are rows like all others [theory: C.31]. Uniform pressures of
+// nearly incompressible pieces take a solve each [theory: E.23]. Certificates are sums and largest values over
+// processes [theory: E.20, E.21]. All processes call the same functions in the same order: a branch that only some take
+// would leave the others waiting. Derived in docs/theory/elements.md, section Solving in parts.
+
 #include "solver/state/shared_body.hpp"
 
 #include "base/dense.hpp"
@@ -19,6 +29,7 @@
 
 namespace kerf {
 
+// The bytes go before the factor comes: a part has a place once.
 std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads, Precision precision) {
   RankPart part = condensed_part(packed);
   std::string().swap(packed);
@@ -30,6 +41,7 @@ double sum(Peers& peers, double value) {
   return value;
 }
 
+// Among processes, by the triangles that hold on to each other (solver/system/parted.hpp).
 std::vector<Index> shares(const Model& m, Ranks& ranks) {
   return partition({m.mesh, m.inner->kernel, m.inner->skeleton, m.scene, m.inner->data, m.inner->ordering}, ranks);
 }
@@ -42,6 +54,8 @@ std::vector<Index> pieces_for_pressure(const Mesh& mesh, const Scene& scene) {
 namespace {
 
 /// What the first process has, on all: whatever their processors make of the same numbers.
+/// Processors may differ in the last bit of a decision; a set that differs between processes would make each wait for
+/// another solve.
 void agree(Peers& peers, std::vector<Motion>& motion, Eigen::VectorXd& force) {
   std::string bytes;
   if (peers.here() == 0) {
@@ -73,6 +87,7 @@ Places jumps(const Model& m, Index t) {
 
 }  // namespace
 
+// The balance comes before contact is found: it makes the model anew.
 SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
                        const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole)
     : peers(with),
@@ -90,6 +105,7 @@ SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int thread
   unknowns = static_cast<Index>(sum(peers, unknowns));
 }
 
+// G_ij = int r_i . r_j of (A.7).
 Eigen::MatrixXd SharedBody::Impl::gram() {
   const Inner& inner = *model.inner;
   Eigen::MatrixXd g = gram_of(model.mesh, inner.kernel, inner.skeleton, inner.floating, own_triangles(model));
@@ -97,6 +113,8 @@ Eigen::MatrixXd SharedBody::Impl::gram() {
   return g;
 }
 
+// Works are summed before they are compared: the loads of the body balance, not those of a part. Whether they do at all
+// was asked of the mesh before it was divided (prepare).
 void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
   const Inner& inner = *model.inner;
   const auto n = static_cast<Eigen::Index>(floating.motions.size());
@@ -116,6 +134,8 @@ void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
   model = prepare_part(std::move(mesh), model.element, std::move(scene), model.threads, std::move(own), floating);
 }
 
+// Numbers of rows: those of process 0 first, each process's in the order of its unknowns; neighbors learn them from
+// those who answer. Held rows have no number, so that a new set is a new system.
 void SharedBody::Impl::hold(const std::vector<bool>& held) {
   if (now.solver && now.held == held) return;
   effort_before = effort();
@@ -151,6 +171,7 @@ void SharedBody::Impl::hold(const std::vector<bool>& held) {
       model.threads, precision);
 }
 
+// Each set of held rows has a solver of its own; their counts add up, the largest values stand.
 PartedEffort SharedBody::Impl::effort() const {
   if (!now.solver) return effort_before;
   PartedEffort e = now.solver->effort();
@@ -162,6 +183,9 @@ PartedEffort SharedBody::Impl::effort() const {
   return e;
 }
 
+// Two exchanges: from those who answer for an unknown to the processes that show them its triangle; then from every
+// process, which knows what its own triangles see, to neighbors of neighbors. Without `seen_here` a value that nobody
+// had told would overwrite one that is known.
 template <typename Where>
 void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>& holder, const Where& where) {
   std::vector<bool> seen_here(static_cast<std::size_t>(values.size()), false);
@@ -196,6 +220,8 @@ void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>&
   once([&](Index u, Index) { return !seen_here[u]; });
 }
 
+// Points of all processes are known to all, because the active set decides on all of them at once, on every process
+// alike.
 void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
   const Skeleton& s = model.inner->skeleton;
   const Ordering& o = model.inner->ordering;
@@ -217,6 +243,7 @@ void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
     q.tangential = number(p.tangential);
     own.push_back(q);
   }
+  // Points of process p come behind those of lower ones, and so do their rows.
   const std::vector<Index> counts = gathered(peers, std::vector<Index>{rows}),
                            sizes = gathered(peers, std::vector<Index>{static_cast<Index>(own.size())});
   points = gathered(peers, own);
@@ -241,6 +268,8 @@ void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
   gaps = on_contact(on_skeleton(model, Eigen::VectorXd::Zero(o.size), &s.prescribed));
 }
 
+// A guess goes by shares of the whole length of a crack, of which a part has pieces (PartOfPaths). Each process says
+// what its own rows do.
 std::vector<Motion> SharedBody::Impl::first_motions(const ContactGuess& guess) {
   const Inner& inner = *model.inner;
   if (contact_rows == 0 || guess.empty()) return {};
@@ -251,6 +280,7 @@ std::vector<Motion> SharedBody::Impl::first_motions(const ContactGuess& guess) {
   return gathered(peers, own);
 }
 
+// Every row is own on one process, so that the sum puts the pieces together.
 Eigen::VectorXd SharedBody::Impl::on_contact(const Eigen::VectorXd& values) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(contact_rows);
   for (std::size_t i = 0; i < own_contact.size(); ++i)
@@ -259,6 +289,8 @@ Eigen::VectorXd SharedBody::Impl::on_contact(const Eigen::VectorXd& values) {
   return all;
 }
 
+// The unknowns of a solve on a crack that parts freely are z = (u, u + [u]): a force f_j on the jump acts on the
+// second, and is taken off the first (E.30).
 Eigen::VectorXd SharedBody::Impl::on_own_rows(const Eigen::VectorXd& forces) const {
   Eigen::VectorXd right(now.own_rows());
   for (Index i = 0; i < now.own_rows(); ++i) {
@@ -268,12 +300,14 @@ Eigen::VectorXd SharedBody::Impl::on_own_rows(const Eigen::VectorXd& forces) con
   return right;
 }
 
+// Trace and jump have their components in the same order.
 Index SharedBody::Impl::jump_at(Index base) const {
   const Skeleton& s = model.inner->skeleton;
   const Index first = s.jump[base / s.per_edge];
   return first == none ? none : first + base % s.per_edge;
 }
 
+// Back from z: the jump moves by z_j - z_u.
 void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
   const Skeleton& s = model.inner->skeleton;
   Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total), moved = z;
@@ -286,12 +320,14 @@ void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
   add(x, 1, moved);
 }
 
+// K x - F from the stresses, triangle by triangle. On unknowns of others it lacks the triangles that are not here.
 Eigen::VectorXd SharedBody::Impl::unmet(const Twofold& x, const Eigen::VectorXd& theta) const {
   Field field;
   const Balance balance = recover_interior(model, x, theta, field);
   return balance.forces - balance.loads;
 }
 
+// No process has the diagonal of K, which one process takes (solve.cpp): 50 mu stands in.
 double SharedBody::Impl::force_of_rounding(double largest) const {
   constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
   double mu = 0;
@@ -299,6 +335,8 @@ double SharedBody::Impl::force_of_rounding(double largest) const {
   return std::numeric_limits<double>::epsilon() * stiffness * mu * largest;
 }
 
+// As judge in solve.cpp, with sums and largest values over processes. Each unknown counts where it is answered for,
+// triangles where they are own.
 void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   const Skeleton& s = model.inner->skeleton;
   const Ordering& o = model.inner->ordering;
@@ -316,12 +354,14 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
     }
     if (o.row[u] != none && o.row[u] < leading_rows()) residual = std::max(residual, std::abs(r.unmet[u]));
   }
+  // Largest values first: the sizes that later comparisons are relative to must be the same on all processes.
   std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
   peers.largest(most);
   const double rounding = force_of_rounding(most[3]);
   load = std::max(most[0], rounding);
   r.certificate.residual = most[1] / load;
   double law = 0;
+  // Forces of contact are known on all rows that are seen here, own or not; their work is that of own rows.
   field.force = Eigen::VectorXd::Zero(s.total);
   if (contact_rows > 0) {
     const Eigen::VectorXd force = on_contact(r.unmet);
@@ -345,6 +385,8 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
 }
 
+// The active set asks for responses; each is the body moved on by what its forces leave unmet, so that later sets begin
+// near their solution. Held jumps are put to first contact before, which leaves new forces unmet.
 void SharedBody::Impl::correct(Round& r, State& state) {
   if (contact_rows == 0) {
     hold({});
@@ -355,6 +397,7 @@ void SharedBody::Impl::correct(Round& r, State& state) {
   const Skeleton& s = model.inner->skeleton;
   bool changed = false;  // x, since unmet
   const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
+    // All take the decisions of the first process.
     std::vector<Motion> motion = wanted;
     Eigen::VectorXd force = given.size() == contact_rows ? given : Eigen::VectorXd::Zero(contact_rows);
     agree(peers, motion, force);
@@ -382,6 +425,7 @@ void SharedBody::Impl::correct(Round& r, State& state) {
   state.converged = found.converged;
 }
 
+// Curved triangles count with their own area, own triangles alone.
 Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(uniform.size.size());
   for (Index t = 0; t < own_triangles(model); ++t) sum[piece[t]] += cell_area(model, t) * values[t];
@@ -389,6 +433,7 @@ Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
   return sum;
 }
 
+// As UniformPressure::prepare, per unknown instead of per row: the responses of all unknowns seen here are kept.
 void SharedBody::Impl::find_responses(int& solves) {
   if (uniform.response.size() > 0 && uniform.held == now.held) return;
   const Skeleton& s = model.inner->skeleton;
@@ -424,6 +469,7 @@ void SharedBody::Impl::find_responses(int& solves) {
   uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
 }
 
+// The change and the size are the largest of all processes, so that all see the same error and end in the same round.
 void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, bool must_fit) {
   take_out_uniform(loads, r, solves, must_fit);
   const ThetaChange moved = move_theta(model, loads, r.x, r.theta);
@@ -432,6 +478,7 @@ void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, boo
   r.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
 }
 
+// As UniformPressure::correct; the small matrix is the same on all processes.
 void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit) {
   find_responses(solves);
   Eigen::VectorXd theta = r.theta;
@@ -469,6 +516,7 @@ void SharedBody::Impl::take_out_level(const Loads& loads, Round& r) {
   for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] -= penalty_at(model, t) * sums[0] / sums[1];
 }
 
+// r.K^-1 r of (E.21) takes one more solve.
 State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   State state;
   Stopwatch watch;
@@ -518,6 +566,7 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   return state;
 }
 
+// The factors of the insides are most of the memory. What has been counted stays.
 void SharedBody::Impl::drop_factor() {
   effort_before = effort();
   now.solver.reset();  // the most memory of all

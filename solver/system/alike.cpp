@@ -1,3 +1,11 @@
+// Finds triangles of equal shape and material, so that one elimination serves all of them (element/shared_shape.hpp;
+// [theory: E.18] says what is done about the rounding by which they differ). Two edges of a triangle, from the corner
+// on at which the leaving edge is largest in lexicographic order, are rounded to integers in units of 2^-42 of the next
+// power of two above the longest component; shapes are equal when these integers and the material are. A hash table
+// with open addresses files them, in the order of the triangles, so that the result does not depend on threads. A shape
+// is shared only where that many triangles have it as its elimination has columns. docs/theory/elements.md, section
+// Slender bodies.
+
 #include "solver/system/alike.hpp"
 
 #include "base/parallel.hpp"
@@ -33,6 +41,8 @@ struct Key {
   }
 };
 
+// 42 digits leave 11 of the 53 for what rounding made of a translation. Shapes on either side of a rounding boundary
+// are taken for different ones: that costs an elimination, not accuracy.
 Key key_of(const Triangle& t, Index region) {
   Key key;
   key.shares = can_share(t);
@@ -59,6 +69,7 @@ Key key_of(const Triangle& t, Index region) {
 
 }  // namespace
 
+// The penalty per triangle is that of its material: a shape with its region fixes it.
 Alike::Alike(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const SceneData& data,
              double penalty, int threads)
     : moments_(scene.body ? displacement_count(k.element) : 0) {

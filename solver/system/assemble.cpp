@@ -1,3 +1,12 @@
+// The condensed system K x = F: every triangle is eliminated onto its traces (E.4), seen through the numbering with
+// jumps,
+//   K = sum_T R_T' K_T R_T,   F = sum_T R_T' (F_T - K_T m_prescribed) + tractions,
+// R_T from the unknowns to what triangle T sees, base plus jump on the right side of a crack. Where a material is
+// nearly incompressible a penalty raises the compliance of the mean pressure of each triangle by a, a mu = 1e-3, and
+// the traces t_m that pay it back are kept [theory: E.12, E.14]. Triangles are condensed by eights on several threads.
+// Bits do not depend on how many: an entry between edges gets at most two contributions, whose sum has no order;
+// entries of vertices, with more, are added in the order of the triangles. Derived in docs/theory/elements.md.
+
 #include "solver/system/assemble.hpp"
 #include "solver/system/corner_loads.hpp"
 
@@ -27,6 +36,7 @@ double penalty_for(const Element& e, const Scene& scene) {
 }
 
 // See ForceMoments; per edge of the mesh, a column.
+// Components that the support does not hold have none.
 Eigen::Matrix4Xd cubic_traces(const Assembly& from) {
   const Mesh& mesh = from.mesh;
   const EdgeRule rule = gauss(data_points);
@@ -55,6 +65,7 @@ bool has_cubic_traces(const Assembly& from) {
 }
 
 // Means of the eigenstrain against the stress functions.
+// `weigh` with the eigenstrain for weights is its inner product with each stress function.
 Eigen::VectorXd strain_moments(const Assembly& from, const Triangle& shape, Index t) {
   const TriangleRule& rule = from.kernel.load;
   const Eigen::Index n = rule.w.size();
@@ -122,6 +133,8 @@ struct MatrixEntries {
 };
 
 // Adds a triangle's share to F, less what the prescribed values do.
+// A value of what T sees counts twice where base and jump are both unknowns: entry (i, row of base) and (i, row of
+// jump).
 MatrixEntries scatter_loads(const Assembly& from, Index t, Condensed& c, System& a) {
   const Skeleton& s = from.skeleton;
   const Ordering& o = from.ordering;
@@ -236,6 +249,7 @@ bool is_loaded(const Assembly& from, Index t, System& a) {
 
 }  // namespace
 
+// K does not depend on loads, nor do trace and by_theta of the penalty: triangles that no load acts on are left out.
 System assemble_loads(const Assembly& from, const System& like, bool with_matrix) {
   System a{.penalty = like.penalty, .force = empty_force(from), .traces = like.traces, .alike = like.alike};
   if (with_matrix) a.K = like.K;
@@ -275,6 +289,7 @@ System begun(const Assembly& from) {
 
 }  // namespace
 
+// For solves in parts: each part condenses for itself, on the process that has it.
 System assemble_without_matrix(const Assembly& from) {
   System a = begun(from);
   a.F = Eigen::VectorXd::Zero(from.ordering.size);

@@ -1,3 +1,14 @@
+// Balancing domain decomposition by constraints [Dohrmann 2003; Mandel, Dohrmann, Tezaur 2005], one part per process.
+// Insides are eliminated exactly; conjugate gradients run on the rows that parts share, with S_p the dense complement
+// of part p. On each piece F of the interface, shared by p and q,
+//   f_p = S_p (S_p + S_q)^-1 r,   z = sum_p D_p' (answer of p under f_p)   ("deluxe" weights),
+// and the forces g with (Z_p + Z_q) g = lambda (X_p + X_q) g, lambda > 5, have continuous moments [theory: E.35]; X_p,
+// Z_p are the compliances of part p on F with all else that it shares held and free. A part with its moments u answers
+//   S^_p^-1 f + V_p G_p^-1 (u - V_p' f),   S^_p = S_p + C_p C_p',  V_p = S^_p^-1 C_p,  G_p = C_p' V_p   [theory: E.36],
+// and the moments follow from a small sparse problem on all processes. The bound on lambda bounds the condition
+// whatever materials and shapes are. All processes call the same functions. Derived in docs/theory/elements.md, section
+// Solving in parts.
+
 #include "solver/system/bddc.hpp"
 
 #include "base/dense.hpp"
@@ -81,6 +92,8 @@ MatrixXd orthonormal(const MatrixXd& columns, const VectorXd& diagonal) {
   return size.asDiagonal() * kerf::orthonormal(qr, qr.rank());
 }
 
+// Members are made in their order: the interface must be known before the inside is eliminated, and S goes from the
+// inside to the complement.
 class Bddc : public SharedSolver {
  public:
   Bddc(RankPart part, Peers& peers, int threads, Precision precision)
@@ -101,6 +114,8 @@ class Bddc : public SharedSolver {
     effort_.primal = static_cast<int>(coarse_.size());
   }
 
+  /// b on own rows alone: each row counts once in the sum over the processes. Inside rows are eliminated before and
+  /// found after the gradients.
   VectorXd solve(const VectorXd& own) override {
     Stopwatch watch;
     VectorXd b = VectorXd::Zero(rows_);
@@ -137,6 +152,7 @@ class Bddc : public SharedSolver {
     Index first = 0;            // of them in the small problem
   };
 
+  /// Numbers of process p are consecutive, those of lower processes before.
   std::vector<Index> rows_owned(const RankPart& part) const {
     const std::vector<Index> counts = gathered(peers_, std::vector<Index>{part.owned});
     const Index first = std::reduce(counts.begin(), counts.begin() + peers_.here());
@@ -146,9 +162,11 @@ class Bddc : public SharedSolver {
     if (static_cast<Index>(own.size()) != part.owned) throw std::logic_error("a process owns what it does not have");
     return own;
   }
+  // The lower process of a piece solves its eigenproblem, and counts its rows in products.
   bool counts(const Border& piece) const {
     return peers_.here() < piece.with;
   }
+  // A row is on two processes; products count it on the lower one.
   VectorXd counted() const {
     VectorXd c(static_cast<Eigen::Index>(interface_.rows.size()));
     for (const Border& piece : interface_.pieces)
@@ -178,6 +196,8 @@ class Bddc : public SharedSolver {
   }
 
   /// Tells the other side of each piece of S on it, and the higher side the lower one of what it does when free.
+  /// The shift of the held compliances X is 100 times the largest shift of all processes, so that X has no motion that
+  /// costs as little as the shift of Z: such motions are found.
   void share_pieces() {
     double held = factorize(shift_free, {});
     peers_.largest({&held, 1});
@@ -207,6 +227,7 @@ class Bddc : public SharedSolver {
     }
   }
 
+  /// Z of the free parts comes from both sides; X is made here from both blocks of S.
   static MatrixXd primal_of(const MatrixXd& free, const MatrixXd& here, const MatrixXd& there, const VectorXd& d,
                             const VectorXd& beyond, double shift) {
     const auto held = [shift](MatrixXd s, const VectorXd& diagonal) -> MatrixXd {
@@ -218,6 +239,8 @@ class Bddc : public SharedSolver {
 
   /// Numbers the moments, and makes the small problem: the least energy that the part has with each of them 1, the
   /// others 0.
+  /// The forces are scaled to length 1 relative to the diagonal, so that C C' is as large as S. G is symmetrized
+  /// because its two halves round differently.
   void set_primal() {
     Index own = 0;
     for (const Side& s : sides_) own += static_cast<Index>(s.primal.cols());
@@ -297,6 +320,8 @@ class Bddc : public SharedSolver {
     return S_.block(piece.begin, piece.size()).template selfadjointView<Eigen::Lower>() * x;
   }
   /// The sum of D_p' (the least energy under D_p r, moments continuous), D_p = S_p (S_p + S_q)^-1 on each piece.
+  /// Weights of both sides add up to the identity: D_p + D_q = (S_p + S_q)(S_p + S_q)^-1 on a piece. The moments u
+  /// solve the small problem; z gets V G^-1 (u - V'f) on top of S^^-1 f (E.36).
   VectorXd precondition(const VectorXd& r) {
     VectorXd f = r;
     on_pieces(f, [&](const Side& s, const Border& piece, const VectorXd& of) {
@@ -317,6 +342,7 @@ class Bddc : public SharedSolver {
     return m.size() > 0 ? kerf::solve(moments_, m) : m;
   }
 
+  /// Times and memory are the largest of all processes; the first one's peak is told apart.
   void tell(const SharedGradients::Solved& solved, double seconds) {
     std::array<double, 3> most{sent_ / std::max(1, solved.iterations), seconds, peers_.here() == 0 ? 0 : peak_mb()};
     peers_.largest(most);

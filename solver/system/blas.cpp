@@ -1,3 +1,6 @@
+// Asks for the address space that OpenBLAS will take before it is called: without it OpenBLAS asks for memory without
+// end.
+
 #include "solver/system/blas.hpp"
 
 #include "base/address_space.hpp"

@@ -1,3 +1,6 @@
+// The small problem of BDDC: the sum of dense matrices of all processes, sparse as a whole, factorized by every
+// process, so that all have the same solution [theory: E.36].
+
 #include "solver/system/coarse.hpp"
 
 #include "base/packer.hpp"
@@ -42,6 +45,8 @@ std::vector<Index> sequence_of(const LowerTriangle& lower) {
 
 }  // namespace
 
+// Rounding can leave the sum indefinite: the diagonal is then raised by 1e-14 of itself, and ten times more each time
+// until a factor exists, by 1e-8 at most.
 Coarse::Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index total, Peers& peers)
     : at_(at), total_(total), peers_(&peers) {
   if (total == 0) return;

@@ -7,6 +7,7 @@
 namespace kerf {
 
 /// The factor of the sum of small dense matrices, one for each process, on all of them.
+/// Every process has the factor of the whole: its unknowns are a few per piece of the interface.
 class Coarse {
  public:
   Coarse() = default;

@@ -1,3 +1,6 @@
+// A dense symmetric S in the lower half of one array and the factor U'D U of S + shift + C C' in the upper one: half of
+// the memory of two arrays [theory: E.36].
+
 #include "solver/system/complement.hpp"
 
 #include <Eigen/Cholesky>
@@ -6,6 +9,8 @@ namespace kerf {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
+// The upper half is filled from the lower one, factorized in place, and its rows divided by the roots of the pivots
+// (U'DU from R'R); the diagonal, which both halves share, is put back to that of S.
 bool Complement::factorize(const VectorXd& shift, const std::vector<Forces>& held) {
   const Eigen::Index n = size();
   if (n == 0) return true;

@@ -1,3 +1,10 @@
+// Tractions at corners that no symmetric stress has. At a vertex whose edges lie on two lines with normals a, b a
+// symmetric stress has a . s b = b . s a, and cubic traces have a combination z there that no triangle of the fan sees.
+// Loads must do no work on it; where they do they are changed as little as possible in the mean of squares,
+//   g_e -> g_e - y_e (sum_f int g_f . z_f)/(sum_f int y_f . z_f)   [theory: E.22],
+// y_e the part of z_e of degree 2 and 3, without resultant and moment on its edge. Only the two boundary edges at the
+// ends of a fan carry loads. Derived in docs/theory/elements.md, section Singular vertices (under Spaces).
+
 #include "solver/system/corner_loads.hpp"
 
 #include <algorithm>
@@ -47,17 +54,22 @@ class Fans {
 };
 
 // +1 where the normal of the edge points out of the triangle.
+// sides[0] is the left triangle, which sees the edge run counter-clockwise and its normal point out.
 double outward(const Mesh& mesh, Index edge, Index t) {
   return mesh.sides[edge][0] == t ? 1 : -1;
 }
 
 // Legendre's polynomials of degree 2 and 3 on [0, 1], each with (2k + 1) times its value at an end.
+// The point value at an end is sum_k (2k + 1) P_k(end) P_k; degrees 0 and 1 are resultant and moment, 2 and 3 are what
+// is left in P_3.
 double without_resultant(double end, double s) {
   const double t = 2 * s - 1, sign = end > 0.5 ? 1 : -1;
   return 5 * (1.5 * t * t - 0.5) + sign * 7 * (2.5 * t * t * t - 1.5 * t);
 }
 
 // The combination that no triangle of the fan sees; empty where one does, or a support holds a part of it.
+// From spoke to spoke the amount follows from what the triangle between them must not see; the signs are those of the
+// outward normals.
 std::vector<Spoke> unseen(const Mesh& mesh, const Skeleton& s, const std::vector<Index>& spokes,
                           const std::vector<Index>& triangles) {
   for (std::size_t i = 2; i < spokes.size(); ++i)

@@ -1,3 +1,12 @@
+// Products with K triangle by triangle, for bodies that bend by motions far larger than their strains. The assembled K
+// maps a rigid motion to rounding of its own size instead of to nothing; here the motion of each triangle is taken out
+// first,
+//   K x = sum_T P K_T P x,   P = I - R (R'R)^-1 R'   [theory: E.17, E.18],
+// R the traces of the three motions at the Gauss points. x is carried in twice the precision, P x is formed in it
+// [Dekker 1971] from points and frames that both sides of an edge share to the last bit; the rest, of the size of the
+// strains, is double. The same way leads back to the fields in the triangles (`recover_interior`), where the motion is
+// added to u and r alone. Derived in docs/theory/elements.md, section Slender bodies.
+
 #include "solver/system/elementwise.hpp"
 
 #include "base/parallel.hpp"
@@ -13,6 +22,7 @@ struct Twice {
   double high = 0, low = 0;
 };
 
+// The sum is exact: s + rest = a + b, whichever is larger (six operations).
 Twice sum(double a, double b) {
   const double s = a + b, part = s - a;
   return {s, (a - (s - part)) + (b - part)};
@@ -22,6 +32,7 @@ Twice operator+(const Twice& a, const Twice& b) {
   const double low = s.low + (a.low + b.low), high = s.high + low;
   return {high, low - (high - s.high)};
 }
+// p and the remainder of the multiply-add are a.high b exactly; what a.low adds is rounded.
 Twice operator*(const Twice& a, double b) {
   const double p = a.high * b, low = std::fma(a.high, b, -p) + a.low * b, high = p + low;
   return {high, low - (high - p)};
@@ -44,6 +55,8 @@ struct Traced {
   SkeletonVector high;
 };
 
+// What the right side of a crack sees, base plus jump, is summed before it is rounded: both may be large and nearly
+// cancel.
 Traced trace_exactly(const Model& m, const Twofold& values, Index t) {
   const Seen view = seen(m.mesh, m.inner->skeleton, t);
   const auto at = [&](Index u) -> Twice { return {values.high[u], values.low.size() > 0 ? values.low[u] : 0}; };
@@ -58,6 +71,7 @@ Traced trace_exactly(const Model& m, const Twofold& values, Index t) {
 }
 
 // What the local problems give back is added in the order of the triangles, whatever the number of threads.
+// A force on what the right side sees, u + j, acts on u and on j.
 Eigen::VectorXd scattered_to_edges(const Model& m, const Eigen::MatrixXd& local) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index t = 0; t < static_cast<Index>(local.cols()); ++t) {
@@ -111,6 +125,8 @@ Strained strained(const Model& m, const Twofold& values, Index t) {
   return s;
 }
 
+// On a curved triangle the displacement of a motion is the projection of the places onto the element's polynomials
+// (seen_places); on a straight one it is linear in xi. The rotation has the sign of (N.1).
 void add_motion(const Model& m, Index t, const RigidMotion& motion, Eigen::Ref<Eigen::VectorXd> interior) {
   const Element& e = m.element;
   const int first = stress_count(e), rotation = first + displacement_count(e);
@@ -170,6 +186,8 @@ double penalty_at(const Model& m, Index t) {
   return m.inner->system.penalty / material_of(m.mesh, m.scene, t).mu;
 }
 
+// `noise`: the energy that rounding of the trace makes, (1000 eps)^2 mu |x|^2 per triangle: of a body that moves as a
+// whole nothing else is left.
 Balance recover_interior(const Model& m, const Twofold& values, const Eigen::VectorXd& theta, Field& field) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const bool loaded = m.inner->system.force.cols() > 0;
@@ -254,6 +272,7 @@ Elementwise::Product multiply_elementwise(const Model& m, const Twofold& values)
   return {scattered_to_edges(m, forces), energy.sum()};
 }
 
+// n (n + 1)/2 numbers per triangle, 78 for bdms of degree 1: memory for time, where products are many.
 Elementwise::Elementwise(const Model& m) : m_(m) {
   const int n = skeleton_count(m.element);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());

@@ -1,3 +1,12 @@
+// A factor of K behind one interface, in three forms. Definite: K = L L' by the multifrontal method on an order that is
+// given, rows in contact last, so that with y = L^-1 (F, G)
+//   L = (L_11 0; L_21 L_22):   S = L_22 L_22',   r = L_22 y_2,   x = L^-T (y_1, L_22' j)   [theory: C.7],
+// the condensed matrix of contact costs nothing beyond the factorization. Indefinite (stresses at vertices): LU. By a
+// `LeadingSolver` of the rows without contact: block elimination with S from a solve per row [theory: E.31]; forward
+// then gives (K_II^-1 b_I, L_22^-1 (b_C - K_CI K_II^-1 b_I)), and backward undoes it. Derived in
+// docs/theory/contact.md, section The small problem, and docs/theory/elements.md, sections The factor and Solving in
+// parts.
+
 #include "solver/factor.hpp"
 
 #include "base/kept_memory.hpp"
@@ -42,6 +51,8 @@ struct Factor::Impl {
   LowerTriangle coupling;                  // its entries in these rows, by columns
   int threads = 1;
 
+  // An order that the caller gives may be changed within the rules of elimination (subtrees together): K is reordered
+  // then before each factorization.
   void analyze(const LowerTriangle& lower, std::span<const Index> sequence) {
     permuted = !sequence.empty();
     Symbolic found = analyze_pattern(lower, sequence);
@@ -51,6 +62,7 @@ struct Factor::Impl {
     numeric.emplace(std::move(found.supernodes));
   }
 
+  // `values` is kept between factorizations of one pattern: no other block of memory is as large.
   void factorize(const LowerTriangle& lower, Index last) {
     check_stop();
     if (!values) values = KeptBlock(static_cast<std::size_t>(numeric->entries()));
@@ -109,6 +121,7 @@ struct Factor::Impl {
           contact_factor.triangularView<Eigen::Lower>().solve(b.tail(contact) - on_contact(y.head(first)));
     return y;
   }
+  // x_C = L^-T y_C, x_I = y_I - K_II^-1 K_IC x_C.
   Eigen::VectorXd lead_backward(Eigen::VectorXd y) const {
     const Eigen::Index contact = contact_rows(), first = size - contact;
     if (contact == 0) return y;
@@ -117,6 +130,8 @@ struct Factor::Impl {
     return y;
   }
 
+  // The complement is symmetric for exact solves; what iterative ones leave of asymmetry is taken to the mean of both
+  // halves.
   void lead(const LowerTriangle& lower, Index contact) {
     const Index first = size - contact;
     contact_factor.setZero(contact, contact);
@@ -189,6 +204,7 @@ Factor::Factor(const LowerTriangle& lower, Index contact_rows, bool definite, In
   impl_->contact_factor = impl_->interface_factor.bottomRightCorner(contact_rows, contact_rows);
 }
 
+// No rows in contact: `sequence` may put any row anywhere.
 Factor::Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads)
     : impl_(std::make_unique<Impl>()) {
   use_one_thread();
@@ -222,6 +238,7 @@ Factor& Factor::operator=(Factor&&) noexcept = default;
 
 namespace {
 // L L' by blocks: a third of the work of a full product.
+// Block (i, j) needs the first j + width columns of l alone, since l is lower triangular.
 Eigen::MatrixXd square(const Eigen::MatrixXd& l) {
   const Eigen::Index n = l.rows(), block = 128;
   Eigen::MatrixXd s(n, n);
@@ -257,6 +274,7 @@ Eigen::VectorXd Factor::forward(const Eigen::VectorXd& b) const {
   return impl_->forward(b);
 }
 
+// With LU the whole solve is in the first half.
 Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y) const {
   if (impl_->size == 0 || impl_->lu) return y;
   return impl_->leading ? impl_->lead_backward(y) : impl_->backward(y);
@@ -282,6 +300,7 @@ Eigen::VectorXd Factor::backward(const Eigen::VectorXd& y, const std::vector<boo
   return impl_->backward(y, &fronts);
 }
 
+// Rows of K to places in the order of elimination.
 std::vector<bool> Factor::fronts_above(const std::vector<Index>& rows) const {
   if (!impl_->numeric) throw std::invalid_argument("Factor: fronts of a definite matrix only");
   std::vector<bool> asked(static_cast<std::size_t>(impl_->size), false);
@@ -302,6 +321,7 @@ Eigen::MatrixXd Factor::solve_all(const Eigen::MatrixXd& b) const {
   return impl_->size == 0 || b.cols() == 0 ? b : impl_->backward(impl_->forward(b));
 }
 
+// b'K^-1 b = |L^-1 b|^2. With a leading solver the leading part is b_I'K_II^-1 b_I, and S has the rest.
 double Factor::energy(const Eigen::VectorXd& b) const {
   if (impl_->size == 0) return 0;
   const Eigen::VectorXd half = forward(b);

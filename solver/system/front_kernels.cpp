@@ -1,3 +1,11 @@
+// The Cholesky factorization of the first columns of a dense front, and the update of the rest [theory: E.28]:
+//   for each block of 96 columns: L_bb L_bb' = F_bb;  L_ib = F_ib L_bb^-T for the rows i behind;  F_ij -= L_ib L_jb'.
+// The rows of a block are copied in strips of twelve, column after column, so that the innermost product, twelve rows
+// by four columns, runs through memory in order and keeps its sums in registers: twelve vectors of four doubles, what
+// AVX2 leaves room for. Tiles of strips are independent and may run side by side; each sum runs over the columns of a
+// block in order and over blocks in order, so that its bits depend on nothing else. Derived in docs/theory/elements.md,
+// section The factor.
+
 #include "solver/system/front_kernels.hpp"
 
 #include <algorithm>
@@ -29,6 +37,7 @@ struct Tile {
 };
 
 /// The sum over k of a(:, k) b(:, k)', a of a strip, b of four of its rows.
+/// Both factors are read from packed strips: a in vectors, b as numbers that are spread over a vector.
 Tile tile_product(Index depth, const double* a, const double* b) {
   Tile t = {};
   for (Index k = 0; k < depth; ++k, a += rows, b += rows) {
@@ -52,6 +61,7 @@ const double* strip_at(const double* packed, Index row) {
 }
 
 /// A block of columns from .. from + width, and the rows behind.
+/// `diagonal` and `below`: L_bb and L_ib as strips.
 struct Block {
   const FrontMatrix& f;
   Index from, width;
@@ -100,6 +110,7 @@ bool divide_block(Block& b, Index row, Index end, Index at, double* strip) {
 }
 
 /// The block's own rows.
+/// Four columns at a time through all strips of the block: the next four need the pivots of these.
 bool factor_diagonal(Block& b) {
   for (Index at = 0; at < b.width; at += columns) {
     const Index first = at / rows * rows;
@@ -121,6 +132,7 @@ void divide_strip(Block& b, Index strip) {
 }
 
 /// Rows of a strip, columns of a four, both behind the block: less what the block makes of them.
+/// Tiles on the diagonal write their lower half alone; others are whole unless they end the front.
 void update(const Block& b, Index strip, Index four) {
   const Index row = strip * rows, column = four * columns, behind = b.f.height - b.begin();
   const Index count = std::min(rows, behind - row), wide = std::min(columns, behind - column);
@@ -166,10 +178,12 @@ void update_tile(const Block& b, Index i, Index j) {
 
 }  // namespace
 
+/// Two strips more than the rows need: the diagonal block and the rows behind are each rounded up to whole strips.
 std::size_t packed_size(Index height) {
   return static_cast<std::size_t>(panel_columns + height + 2 * rows) * static_cast<std::size_t>(panel_columns);
 }
 
+/// The tiles of the lower half are numbered column by column, k -> (i, j), so that one loop serves them.
 bool eliminate(const FrontMatrix& f, double* packed, const Each& each) {
   for (Index from = 0; from < f.width; from += panel_columns) {
     Block b{.f = f,

@@ -1,3 +1,11 @@
+// Replaces what METIS takes from the process: its random numbers and its signal traps. METIS draws from one generator
+// of the C library, so that graphs that are ordered side by side take each other's numbers, and the order would differ
+// from run to run; and it traps SIGTERM while it orders. The functions at the end of this file have the names of
+// METIS's own and are found before them: a generator per thread, which draws the numbers of the C library's after the
+// same seed, and traps that catch SIGABRT (no memory) alone, jumping to where METIS was called on the same thread.
+// Where a program finds METIS's own functions instead, solver/system/symbolic.cpp notices by seeds_of_metis() and
+// orders one graph at a time. Used for the order of elimination, docs/theory/elements.md, section The factor.
+
 #include "solver/system/generator.hpp"
 
 #include <dlfcn.h>
@@ -14,6 +22,7 @@
 namespace {
 
 /// Draws the numbers that the C library's generator does after the same seed: libmetis takes them, too.
+/// State of 128 bytes, seed 1: the defaults of random() in the C library.
 struct Generator {
   random_data data{};
   std::array<char, 128> state{};

@@ -1,3 +1,10 @@
+// Conjugate gradients [Hestenes, Stiefel 1952] on vectors that processes share, for one matrix A and many right-hand
+// sides. Every direction p is made conjugate to all before it, those of earlier right-hand sides included,
+//   p = z - P (P'A z),   P'A P = I,   x <- x + (p.r/p.A p) p,
+// and a solve begins with x = P P'b. What rounding and a few eigenvalues far from the others cost is paid once, at the
+// price of the memory of P and A P [theory: E.36]. A product over processes counts each row where it is `counted`; sums
+// have the same bits on all, so that all take the same steps. docs/theory/elements.md, section Solving in parts.
+
 #include "solver/system/gradients.hpp"
 
 #include "kerf/stop.hpp"
@@ -40,6 +47,8 @@ void SharedGradients::keep(const VectorXd& p, const VectorXd& Ap, double size) {
   ++count_;
 }
 
+// A start from the kept directions, x = P P'b with P'A P = I, is the solution on their span. r.z estimates the squared
+// error in the norm of the energy. Directions of steps in which rounding let nothing shrink are dropped again.
 SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& preconditioner, const VectorXd& b,
                                                double tolerance, double enough, int most) {
   constexpr Eigen::Index most_kept = 128;  // between solves

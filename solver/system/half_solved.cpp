@@ -1,3 +1,10 @@
+// Y = L^-1 P W for sparse columns W [theory: C.32]. A column is 0 but on the way from its rows to the root of the tree
+// of elimination, so that only supernodes on that way have a block of values: rows of the supernode by columns that
+// pass it. New columns enter in batches: room is made along their ways, then from children to parents
+//   Y_s = L_ss^-1 W_s,   W_p -= L_ps Y_s   (E.29),
+// and the products Y'Y of new columns with all are summed on the way. Many columns cost less than a solve or two.
+// Derived in docs/theory/contact.md, section Large contact.
+
 #include "solver/system/half_solved.hpp"
 
 #include <algorithm>
@@ -15,6 +22,8 @@ HalfSolved::HalfSolved(const Factor& factor) : l_(factor.columns()) {
 }
 
 // Room on the way of each, with the columns themselves in it.
+// A way that meets a supernode which the column passes already has been marked from there to the root. Numbers grow, so
+// that `which` stays sorted.
 void HalfSolved::enter(const std::vector<Column>& columns) {
   const Supernodes& s = l_.blocks.supernodes();
   std::map<Index, Eigen::Index> old;

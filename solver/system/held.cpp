@@ -1,3 +1,12 @@
+// Solves with rows in contact held, for contact too large for a dense S. With C the held rows and M all others,
+//   K_MM x_M = F_M + p_M,   x_C = 0   [theory: C.31],
+// by a factor of K in which rows and columns of C are those of its diagonal, so that pattern, analysis and memory serve
+// every set. Sets that differ from that of the factor K_0 = L L' in some hundred rows are bordered: W has a column of K
+// for each released row, a unit vector for each row that is held since, D the entries of K among released rows,
+//   (Y'Y - D) v = Y'y - b_R,   Y = L^-1 W,   y = L^-1 b,   x = L^-T (y - Y v)   [theory: C.32],
+// v the jumps of released rows and less the forces on held ones. Half solves are kept: sets that follow each other
+// share their right-hand side. Derived in docs/theory/contact.md, section Large contact.
+
 #include "solver/system/held.hpp"
 
 #include "solver/system/lost_definiteness.hpp"
@@ -8,6 +17,8 @@
 
 namespace kerf {
 
+// Chained lists in two arrays, behind[] and next[]; built from the last component to the first, so that they are read
+// in order.
 std::vector<Index> sequence_within(const Mesh& mesh, const Skeleton& s, const Ordering& o) {
   const Index leading = o.leading();
   std::vector<Index> behind(static_cast<std::size_t>(o.size) + 1, none), next(o.contact_rows, none), sequence;
@@ -43,6 +54,7 @@ std::vector<bool> held_by(const std::vector<Motion>& motion, Index contact_rows)
 
 namespace {
 
+// Diagonals stay: they keep the matrix definite, and the scale of the pivots.
 LowerTriangle with_held(const LowerTriangle& K, const std::vector<bool>& held) {
   LowerTriangle k = K;
   const Index leading = k.size - static_cast<Index>(held.size());
@@ -57,6 +69,7 @@ LowerTriangle with_held(const LowerTriangle& K, const std::vector<bool>& held) {
 
 }  // namespace
 
+// A factor that somebody else holds stays as it is, and a new one is made.
 std::shared_ptr<const Factor> HeldFactors::of(const LowerTriangle& K, const std::vector<bool>& held) {
   if (static_cast<Index>(held.size()) != contact_rows_)
     throw std::invalid_argument("HeldFactors: one entry per row in contact is needed");
@@ -105,6 +118,8 @@ bool HeldFactors::worth_bordering(const std::vector<Index>& changed) const {
          static_cast<double>(fresh) * flops_per_entry * last_->entries() < last_->flops();
 }
 
+// small_ starts as -D; the products Y'Y are added in `border`. An entry between two rows held in the factor is in D if
+// both have columns; other entries go to the column of the released row.
 std::vector<HalfSolved::Column> HeldFactors::read_columns(const LowerTriangle& K, const std::vector<Index>& fresh) {
   const Index leading = K.size - contact_rows_;
   std::vector<HalfSolved::Column> columns(fresh.size());
@@ -156,6 +171,7 @@ void HeldFactors::border(const LowerTriangle& K, const std::vector<Index>& chang
   small_.bottomLeftCorner(more, before) += products.topRows(before).transpose();
 }
 
+// v of (C.32), for the columns of the rows that differ now: others that have entered before stay out.
 Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& y,
                                          const Eigen::VectorXd& b) const {
   const Index leading = static_cast<Index>(sequence_.size()) - contact_rows_;
@@ -167,6 +183,8 @@ Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, cons
   return small_(at, at).partialPivLu().solve(rest);
 }
 
+// A search solves for the same loads on set after set: the first half is kept while the right-hand side is the same
+// number by number.
 const Eigen::VectorXd& HeldFactors::half_solved(Eigen::VectorXd right) {
   if (right_.size() != right.size() || right_ != right) {
     y_ = last_->forward(right);
@@ -185,6 +203,8 @@ Eigen::VectorXd HeldFactors::backward(const LowerTriangle& K, const Eigen::Vecto
   return last_->backward(y, fronts_);
 }
 
+// Right-hand sides of held rows are 0: the factor has only their diagonal there. After the bordering released rows take
+// v for their value, newly held ones 0.
 Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<bool>& held, const Eigen::VectorXd& b,
                                    On on) {
   const std::scoped_lock lock(one_at_a_time_);

@@ -1,3 +1,10 @@
+// The inside of one part of a body eliminated exactly. With I its rows inside, G those that it shares with other parts,
+//   K_II = L L',   S = K_GG - K_GI K_II^-1 K_IG   [theory: E.35],
+// by the multifrontal method with the last columns, G, kept: S, dense, is what the fronts leave there. Order: nested
+// dissection of the graph of edges, whose rows see the same, G last. L may be kept in single precision; S is made in
+// double precision on the way. What a step has used up is given back before the next one, since the peak of the memory
+// counts. Derived in docs/theory/elements.md, section Solving in parts.
+
 #include "solver/system/inside.hpp"
 
 #include "base/kept_memory.hpp"
@@ -78,6 +85,8 @@ bool Inside::factorize(const LowerTriangle& lower, Eigen::MatrixXd& S) {
                  : numeric_->factorize(lower, rounded_.get(), S, threads_);
 }
 
+// A shift of 1e-13 stands above the rounding of K_II; conjugate gradients on the interface, and the rounds around them,
+// undo it. If that is not enough, nothing else is tried.
 Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S)
     : order_(sequence(part, shared, threads)), threads_(threads) {
   const auto kept = static_cast<Index>(shared.size());
@@ -102,6 +111,7 @@ Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Preci
         "differ too much; refine the mesh there, or use fewer processes");
 }
 
+// The multifrontal substitution counts the block of kept columns as 1: the tail is b_G - K_GI K_II^-1 b_I.
 Eigen::VectorXd Inside::forward(const Eigen::VectorXd& b) const {
   Eigen::VectorXd y(b.size());
   for (std::size_t k = 0; k < order_.size(); ++k) y[static_cast<Eigen::Index>(k)] = b[order_[k]];

@@ -1,3 +1,5 @@
+// Counting sort of items by their keys into one array.
+
 #include "solver/system/lists.hpp"
 
 #include <numeric>

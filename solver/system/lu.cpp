@@ -1,3 +1,6 @@
+// UMFPACK, for the indefinite systems: elements with stresses at vertices, and the saddle point without elimination
+// [theory: C.13].
+
 #include "solver/system/lu.hpp"
 
 #include "kerf/stop.hpp"
@@ -20,6 +23,7 @@ struct Lu::Impl {
 
 namespace {
 
+// A singular matrix is a warning of UMFPACK, with which it would go on: it is an error here.
 void check(int status) {
   if (status == UMFPACK_OK) return;
   if (status == UMFPACK_ERROR_out_of_memory) out_of_memory();

@@ -1,3 +1,12 @@
+// The numeric phase of a sparse Cholesky factorization, front by front [Duff, Reid 1983]. With s the columns of a
+// supernode, p the rows below them and U_c what its children in the tree of elimination leave,
+//   (F_ss; F_ps F_pp) = (K_ss; K_ps 0) + sum_c U_c,  L_ss L_ss' = F_ss,  L_ps = F_ps L_ss^-T,  U_s = F_pp - L_ps L_ps'
+// [theory: E.28]. Fronts come in depth-first order, so that what they leave waits on a stack whose size is known
+// before. The tree is cut by work alone: subtrees with less than a 64th of all flops are tasks of one thread each, the
+// fronts above them come one after the other, their tiles on all threads. Every sum has one order, so that the bits do
+// not depend on the number of threads. Large fronts go through the kernels of front_kernels.cpp, small ones column by
+// column. Derived in docs/theory/elements.md, section The factor.
+
 #include "solver/system/multifrontal.hpp"
 
 #include "base/parallel.hpp"
@@ -120,6 +129,7 @@ struct Multifrontal::Run {
         left(static_cast<std::size_t>(m.s_.count()), nullptr),
         kept(left.size()) {}
 
+  /// Where each row of L is in the front: an array of the size of L's rows, which is never cleared.
   static void find_places(const Front& f, std::vector<Index>& place) {
     for (Index i = 0; i < f.height; ++i) place[static_cast<std::size_t>(f.rows[i])] = i;
   }
@@ -135,6 +145,8 @@ struct Multifrontal::Run {
   }
 
   /// Columns from .. to of what the child leaves; `places`: of its rows in the front.
+  /// The extend-add: rows of a child are rows of its parent, in the same order, so that the lower half goes to the
+  /// lower half.
   static void add_child(const FrontMatrix& matrix, const double* child, const std::vector<Index>& places, Index from,
                         Index to) {
     const auto m = static_cast<Index>(places.size());
@@ -145,6 +157,7 @@ struct Multifrontal::Run {
       for (Index i = j; i < m; ++i) target[places[static_cast<std::size_t>(i)]] += source[i];
     }
   }
+  /// arena.place is filled for the rows of the present front alone; what stands elsewhere is of earlier fronts.
   std::vector<Index> places_of(Index child, const std::vector<Index>& place) const {
     const Front c = of.front(child);
     std::vector<Index> places(static_cast<std::size_t>(c.rest()));
@@ -153,6 +166,7 @@ struct Multifrontal::Run {
     return places;
   }
 
+  /// Tiles cost copies of the rows (packing), which few flops do not pay for.
   bool eliminate_front(const FrontMatrix& f, double* packed, bool together) const {
     constexpr double little = 5e5;  // flops below which columns alone are faster than tiles
     const Index height = f.height, width = f.width;
@@ -165,6 +179,7 @@ struct Multifrontal::Run {
                      [&](Index count, const std::function<void(Index)>& body) { each(count, together, body); });
   }
 
+  /// What the root leaves is copied out of the arena, which the next subtree takes.
   void subtree(const Unit& unit) {
     if (!definite) return;
     check_stop();
@@ -203,6 +218,7 @@ struct Multifrontal::Run {
   }
 
   /// Columns begin .. end of the front's panel, into L.
+  /// Rounded to Scalar here and nowhere before: S and what fronts leave are double.
   void store(const Work& f, Index s, Index begin, Index end) const {
     Scalar* panel = values + of.place_[static_cast<std::size_t>(s)];
     for (Index j = begin; j < end; ++j) {
@@ -235,6 +251,8 @@ struct Multifrontal::Run {
 
   /// What the front leaves is made on top of the stack, then moved down to where that of its children was; `in_last`:
   /// in `last`.
+  /// Steps: entries of K, what children leave, elimination, store. The rest is made on top of the stack while the
+  /// children's lie below it, then moved down over them.
   bool perform(Index s, Arena& arena, std::size_t& top, bool together, bool in_last) {
     const Work f{of.front(s), arena.panel.get()};
     double *lowest = arena.stack.get() + top, *rest = in_last ? last.data() : lowest;
@@ -266,6 +284,7 @@ struct Multifrontal::Run {
     return true;
   }
 
+  /// A front with no parent whose rest is not empty sees kept columns: that goes to `last`.
   void single(Index s, Arena& arena, std::size_t& top) {
     if (!definite) return;
     check_stop();
@@ -277,6 +296,8 @@ struct Multifrontal::Run {
     top = static_cast<std::size_t>(left[s] - arena.stack.get());
   }
 
+  /// With one thread subtrees run in the order of the units, their results waiting; with more the heaviest first, since
+  /// the last one to end decides.
   bool operator()() {
     begin_last();
     Arena arena(of.columns_, of.top_room_);
@@ -305,6 +326,8 @@ struct Multifrontal::Run {
   }
 };
 
+/// Supernodes whose columns are all kept are dropped; one that is cut by the border keeps its columns before it, and
+/// sees those behind as rows.
 Multifrontal::Multifrontal(Supernodes supernodes, Index kept) : s_(std::move(supernodes)), kept_(kept) {
   if (s_.count() == 0) return;
   columns_ = s_.first.back();
@@ -407,6 +430,7 @@ void Multifrontal::cut() {
     if (!u.subtree) push(sequence_[u.begin], top_room_, true);
 }
 
+/// Below 3e7 flops waking threads costs more than they gain.
 template <typename Scalar>
 bool Multifrontal::factorize(const LowerTriangle& K, Scalar* values, Eigen::MatrixXd& last, int threads) const {
   constexpr double worth_threads = 3e7;  // flops

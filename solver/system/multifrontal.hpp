@@ -29,6 +29,7 @@ struct FrontPanel {
   Index height, width;
 
   /// Where row 0 of column k would be: rows from k on are there.
+  /// Columns before c = 8 floor(k/8) take sum over their eights of 8 (height - first row).
   static std::int64_t place(Index height, Index k) {
     const std::int64_t c = k / together * together;
     return c * height - c * (c - together) / 2 + (k - c) * (height - c) - c;

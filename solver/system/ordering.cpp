@@ -1,3 +1,11 @@
+// The order of elimination: nested dissection (METIS) of the graph of the vertices, from which edges and corners
+// follow. An edge goes with that end which is eliminated first, so that a separating path of vertices becomes the path
+// of edges between them; that graph is three times smaller than the one of the edges. The free unknowns of an edge
+// (with its jumps that no contact law acts on) or of a corner are one node, eliminated together. Last come the base
+// unknowns of an interface, then the jumps in contact along the cracks' paths: their block of the factor is the
+// Cholesky factor of S [theory: C.7]. Nodes are coupled when a triangle sees both. docs/theory/elements.md, section The
+// factor.
+
 #include "solver/system/ordering.hpp"
 
 #include "solver/factor.hpp"
@@ -20,6 +28,7 @@ std::vector<Index> positions(std::span<const Index> sequence) {
   return position;
 }
 
+// Rows on which a law acts, or that hold a free slide (`sliding`): the rows of the small problem.
 bool in_contact(const Skeleton& s, Index unknown) {
   return s.bounded[unknown] || s.frictional[unknown] || s.sliding[unknown];
 }
@@ -96,6 +105,7 @@ class Numbering {
     of_edge_[e] = finish({.edge = e});
   }
 
+  // Contact rows follow the path of their crack, so that neighbors in S are neighbors on the crack.
   void add_contact(const CrackEdge& c) {
     if (s_.jump[c.edge] == none) return;
     const Index before = ordering_.size;
@@ -193,6 +203,7 @@ std::vector<Index> vertex_sequence(const Mesh& mesh, int threads) {
   return dissection(start, neighbors, threads);
 }
 
+// A function of topology, fixed unknowns and contact rows alone, so that loads and moved vertices reuse it.
 Ordering order(const Mesh& mesh, const Skeleton& s, std::span<const Index> interface_edges, int threads,
                std::span<const Index> sequence) {
   const std::vector<Index> position = positions(sequence.empty() ? vertex_sequence(mesh, threads) : sequence);

@@ -1,3 +1,13 @@
+// The rows of K that no contact law acts on, in parts, one per process:
+//   K = sum_p R_p' K_p R_p   [theory: E.30],
+// K_p condensed from the triangles of part p, R_p the unknowns that it sees. Triangles are partitioned along the graph
+// of edges that hold both sides together, pieces cut off from their part are given to neighbors, and unknowns belong to
+// the first part that sees them. On a crack that parts freely the unknowns are what each side sees, u and u + [u], so
+// that no part holds on to what it does not touch; forces on (u, [u]) become (f_u - f_j, f_j) on these. A part travels
+// as bytes (`packed_part`), and is condensed where it arrives (`condensed_part`), with the rows that touch each other
+// along borders, from which connected pieces of the interface follow. Derived in docs/theory/elements.md, section
+// Solving in parts.
+
 #include "solver/system/parted.hpp"
 
 #include "base/packer.hpp"
@@ -49,6 +59,7 @@ void get(Unpacker& from, int points, PackedTriangle& t) {
 }
 
 /// Whether all components of an edge's sides move by themselves.
+/// An edge whose sides share a component still joins them: contact in the normal direction with free sliding is one.
 bool splits(const Assembly& from, Index e) {
   const Skeleton& s = from.skeleton;
   if (s.jump[e] == none) return false;
@@ -62,6 +73,7 @@ struct PartGraph {
 };
 
 // Triangles that hold on to each other, not across cracks that part freely.
+// Across a crack that parts freely nothing is shared, so that cutting there is free.
 PartGraph graph_of(const Assembly& from) {
   PartGraph g;
   g.start.push_back(0);
@@ -77,6 +89,7 @@ PartGraph graph_of(const Assembly& from) {
 }
 
 // What is cut off from the largest piece of its part goes to the part that it has most edges with.
+// Sweeps, because a piece that moves may join another that was cut off, or cut off a third; eight at most.
 std::vector<Index> in_one_piece(const PartGraph& graph, std::vector<Index> part) {
   const Index n = static_cast<Index>(part.size());
   constexpr int most = 8;
@@ -151,6 +164,7 @@ Corners corners_at_free_cracks(const Assembly& from) {
   return split_at(from.mesh, cut);
 }
 
+// The least number among the processes that see an unknown; a jump belongs to that of its crack's right side.
 std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& o, const std::vector<Index>& process) {
   std::vector<Index> holder(static_cast<std::size_t>(s.total), none);
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
@@ -169,6 +183,8 @@ std::vector<Index> partition(const Assembly& from, Ranks& ranks) {
   return in_one_piece(graph, ranks.partition(graph.start, graph.neighbors));
 }
 
+// Rows of a part are in the order of their numbers among all, so that both sides of a border list what they share in
+// the same order.
 std::string packed_part(const Packing& by, std::span<const Index> triangles, Index owned) {
   const Assembly& from = by.from;
   std::vector<Index> rows;  // of the leading rows that it sees the numbers, in order
@@ -203,6 +219,7 @@ std::string packed_part(const Packing& by, std::span<const Index> triangles, Ind
 namespace {
 
 // The partition, the numbers of the unknowns, what each part sees.
+// Numbers of unknowns: those of part 0, then of part 1, and so on, each in the order of the rows.
 class Parts {
  public:
   Parts(const Assembly& from, double penalty, Ranks& ranks)
@@ -305,6 +322,7 @@ void get(Unpacker& from, int count, PackedCell& cell) {
 }
 
 /// The rows of all triangles, `count` each, and their corners.
+/// All that the pattern of K_p needs; three edges and three corners per triangle.
 struct Seams {
   std::vector<Index> rows;
   std::vector<std::array<Index, 3>> corners;
@@ -343,6 +361,7 @@ void connect_rows(const Seams& all, int per_edge, RankPart& part) {
 }
 
 // The pattern of K_p: per row the triangles that see it, then their rows.
+// By counting first, so that no list of pairs is stored.
 void set_pattern(const Seams& all, int count, RankPart& part) {
   const std::size_t rows = static_cast<std::size_t>(part.rows), width = static_cast<std::size_t>(count);
   std::vector<Index> start(rows + 1, 0), by(all.rows.size());
@@ -371,6 +390,8 @@ void set_pattern(const Seams& all, int count, RankPart& part) {
 
 }  // namespace
 
+// Unknowns at vertices would belong to more than two parts; unseen traces leave parts singular beyond rigid motions;
+// quasi-definite matrices have no conjugate gradients.
 bool can_be_parted(const Element& e) {
   return is_mixed(e) && e.at_vertices == AtVertices::Nothing && !has_unseen_traces(e) && is_definite(e);
 }
@@ -380,6 +401,7 @@ std::unique_ptr<LeadingSolver> parted(const Assembly& from, double penalty, std:
   return std::make_unique<ByRanks>(parts, std::move(ranks));
 }
 
+// The packed triangles are read twice, for the pattern and for the values: K_p exists once.
 RankPart condensed_part(std::string_view packed) {
   use_one_thread();
   Unpacker from(packed);

@@ -1,3 +1,5 @@
+// The pattern of the condensed matrix out of nodes and their couplings, without a list of entries.
+
 #include "solver/system/pattern.hpp"
 
 #include <limits>

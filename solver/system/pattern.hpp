@@ -11,6 +11,8 @@ namespace kerf {
 LowerTriangle pattern(const Ordering& o);
 
 /// Where the entry (row, column) lies in the pattern's values; row >= column, of nodes that are coupled.
+/// Columns of a node share its list of coupled nodes, which is short: a search of some steps instead of one in the
+/// rows.
 inline Index place(const Ordering& o, const LowerTriangle& k, Index row, Index column) {
   const Index n = o.node_of[column], m = o.node_of[row];
   if (m == n) return k.start[column] + row - column;

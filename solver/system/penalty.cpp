@@ -1,3 +1,11 @@
+// One linear solve around a factor, with the contact rows condensed, and the rounds that a state and an adjoint need:
+//   solve K x = F(theta);   theta <- a mean_T(tr s);   F = F_0 - sum_T theta_T t_m   [theory: E.13, E.14],
+// which pay back the penalty of nearly incompressible triangles, and remove what rounding leaves of the residual. A
+// round shrinks all errors by about a/(a + 1/mu) but uniform pressures of pieces of one material in stiffer
+// surroundings; these are taken out exactly, theta + a delta_k on piece k, by a small symmetric system [theory: E.23].
+// With c = 0 everywhere and all of the boundary held the level of pressure is open: its mean is set to zero, and the
+// boundary must keep the area. Derived in docs/theory/elements.md, section Nearly incompressible.
+
 #include "solver/system/penalty.hpp"
 
 #include "base/parallel.hpp"
@@ -18,12 +26,15 @@ auto lower(const Model& m) {
 
 }  // namespace
 
+// The last two rows of System::traces are own and by_theta (Condensed).
 Loads loads_of(const Model& m) {
   Loads l{m.inner->system.F, {}, m.inner->skeleton.prescribed};
   if (m.inner->system.penalty > 0) l.own = m.inner->system.traces.row(m.inner->system.traces.rows() - 2).transpose();
   return l;
 }
 
+// Rows to unknowns, with the values of those that are not solved for; of contact rows with a gap or a slip of the step
+// before both add up: j = k - g.
 Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const std::vector<double>* given) {
   Eigen::VectorXd all(m.inner->skeleton.total);
   for (Index u = 0; u < m.inner->skeleton.total; ++u) {
@@ -98,6 +109,7 @@ Condensation::Condensation(const Model& model) : m(model), points(contact_points
   m.inner->standing.release(S);
 }
 
+// |L^-1 b|^2, half a solve; with large contact a whole one.
 double Condensation::energy_of(const Eigen::VectorXd& b, const std::vector<Motion>& motion) const {
   if (has_large_contact(m)) return std::abs(b.dot(solve_frozen(b, motion)));
   return std::abs(m.inner->factor->energy(b));
@@ -133,6 +145,7 @@ Eigen::VectorXd Condensation::complete(Eigen::VectorXd y, const Eigen::VectorXd&
   return x;
 }
 
+// The block of the moving rows is factorized once for all rounds with the same set.
 Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::vector<Motion>& motion) const {
   std::vector<bool> held(motion.size());
   for (std::size_t i = 0; i < held.size(); ++i) held[i] = motion[i] == Motion::Held;
@@ -140,6 +153,8 @@ Eigen::VectorXd Condensation::moving_jumps(const Eigen::VectorXd& r, const std::
   return open_rows_->jumps(r);
 }
 
+// Held rows keep their jumps, moving ones their forces: S_MM j_M = r_M - S_MH g, then one substitution backwards
+// [theory: C.7].
 Eigen::VectorXd Condensation::solve_frozen(const Eigen::VectorXd& b, const std::vector<Motion>& motion,
                                            const Eigen::VectorXd* held) const {
   if (has_large_contact(m)) return solve_held(m, b, motion, held);
@@ -158,6 +173,7 @@ Eigen::VectorXd Condensation::solve_at_contact(const Eigen::VectorXd& b, const s
                               HeldFactors::On::Contact);
 }
 
+// Pieces are connected across edges, cracks included.
 std::vector<Index> material_pieces(const Mesh& mesh, const Scene& scene, Index most) {
   const Index triangles = static_cast<Index>(mesh.triangles.size());
   std::vector<Index> piece(static_cast<std::size_t>(triangles), scene.regions.empty() ? 0 : none);
@@ -215,6 +231,8 @@ void without_level(const Model& m, const Loads& loads, PenaltyIterate& s) {
 
 }  // namespace
 
+// Entry (l, k) of the stiffness: the sum over T in piece l of |T| (a [T in k] - a mean(tr s(x_k))), x_k the response to
+// theta = a on piece k, mean = t_m . x_k/|T| + theta by_theta.
 void UniformPressure::prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions) {
   const Model& m = condensed.m;
   constexpr Index most = 200;  // each costs a solve
@@ -242,6 +260,9 @@ void UniformPressure::prepare(const Condensation& condensed, const Loads& loads,
   if (!condensed.sliding) stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
 }
 
+// The level is open where a uniform delta on all pieces is answered by nothing, up to 1e-11. With c = 0 the change of
+// area of a triangle is 2 |T| (a mean(tr s) - theta), what the penalty still lets it take; its sum is what the boundary
+// asks for and cannot have.
 void UniformPressure::correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s) {
   const Model& m = condensed.m;
   if (response.size() == 0 || motion != s.motion) prepare(condensed, loads, s.motion);
@@ -277,10 +298,13 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
   if (level_open) without_level(m, loads, s);
 }
 
+// A product K x is known to a unit in the last place of |K| |x| (E.17).
 double rounding_of(const Model& m, const Eigen::VectorXd& x, double load) {
   return std::numeric_limits<double>::epsilon() * multiply_sizes(*m.inner->system.K, x).maxCoeff() / load;
 }
 
+// A round is one solve, its uniform pressures, one step of theta, the loads of that. The best round is kept: with a
+// penalty errors may rise before they fall.
 PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
                        const PenaltySteps& steps) {
   const Model& m = condensed.m;

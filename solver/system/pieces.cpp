@@ -1,3 +1,10 @@
+// What two parts of a body share, in connected pieces that both processes know in the same order. Each row has an
+// owner; who has it and does not own it tells the owner, so that both know of each other. On each side rows are joined
+// along chains of near rows (edges that meet at a corner on one side of all cracks) and labelled by the least number; a
+// piece is a set of rows with the same label on both sides. The moments that BDDC makes continuous belong to such
+// pieces [theory: E.30, E.35]. Rows of a piece are in the order of their numbers on either side.
+// docs/theory/elements.md, section Solving in parts.
+
 #include "solver/system/pieces.hpp"
 
 #include <algorithm>
@@ -20,6 +27,7 @@ std::vector<T> values_of(const std::string& bytes) {
 }
 
 /// Per row the process that has it, too, or none. Who does not own a row tells its owner.
+/// A row of three parts would be an unknown at a vertex, which solving in parts does not take.
 std::vector<Index> other_side(const RankPart& part, Peers& peers) {
   const std::vector<Index> counts = gathered(peers, std::vector<Index>{part.owned});
   std::vector<Index> end(counts.size());  // of the numbers of each process
@@ -67,6 +75,8 @@ std::vector<Index> joined_here(const RankPart& part, const std::vector<Index>& o
 
 }  // namespace
 
+// A piece needs the labels of both sides: two rows that are joined here may be apart beyond a crack that only the other
+// part sees.
 Interface find_interface(const RankPart& part, Peers& peers) {
   const std::vector<Index> other = other_side(part, peers), here = joined_here(part, other);
   // In the order of their numbers the rows of both sides are the same.
@@ -99,6 +109,7 @@ Interface find_interface(const RankPart& part, Peers& peers) {
   return found;
 }
 
+// Own values plus those of the other process: the sum of two numbers is the same bits on both sides.
 void add_both_sides(const Interface& of, Peers& peers, Eigen::VectorXd& values) {
   std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
   for (const auto& n : of.neighbors)

@@ -1,3 +1,10 @@
+// Conjugate gradients on the exact products, with the factor of the assembled matrix for a preconditioner:
+//   z = K~^-1 r,   p <- z + (z.(r - r_before)/(z_before.r_before)) p,   x <- x + (r.p/p.K p) p   [theory: E.19],
+// two to six steps in bodies whose motions are far larger than their strains. x is carried in twice the precision. Rows
+// in contact that are held stay held: their part of the residual is a force. [Polak, Ribiere 1969] instead of the
+// shorter formula, because rounding makes the factor a slightly different preconditioner in each step.
+// docs/theory/elements.md, section Slender bodies.
+
 #include "solver/system/refine.hpp"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,9 @@
+// Rigid motions that the supports leave free, and what the loads do on them. A held component with direction d at the
+// place x stops the motion (t, w) by the row (d, cross(x - c, d)/R); the motions that are left are eigenvectors of the
+// sum of row'row with eigenvalue 0, c and R center and radius of the body. Loads must be in equilibrium on them; the
+// state is then the one without mean motion, shares G^-1 int u . r_i with the Gram matrix G_ij = int r_i . r_j, all as
+// the element's displacement sees the motions [theory: A.7]. docs/theory/adjoint.md, section Condensed.
+
 #include "solver/system/rigid.hpp"
 
 #include <fmt/core.h>
@@ -37,6 +43,7 @@ std::vector<bool> on_curves(const Mesh& mesh) {
 
 }  // namespace
 
+// A rotation w about c0 with translation t at c: r(x) = 0 at x = c + (-t_2, t_1)/w.
 std::string describe(const RigidMotion& m) {
   // Tidy the numbers of the eigenvectors: -0 and 1e-17 do not help anybody.
   const auto tidy = [](double v, double scale) { return std::abs(v) < 1e-4 * scale ? 0.0 : v; };
@@ -49,6 +56,7 @@ std::string describe(const RigidMotion& m) {
   return fmt::format("a rotation about ({:.4g}, {:.4g})", tidy(c.x(), size), tidy(c.y(), size));
 }
 
+// Eigenvalues are squares of singular values: 1e-11 of the largest stands for 3e-6.
 std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const Skeleton& s,
                                       const std::vector<Index>& piece, Index which) {
   Vec2 low = Vec2::Constant(infinity), high = Vec2::Constant(-infinity);
@@ -104,6 +112,7 @@ std::vector<RigidMotion> free_motions(const Mesh& mesh, const Kernel& k, const S
   return motions;
 }
 
+// Rotations at vertices have the sign of (N.1), opposite to the usual one.
 Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, const RigidMotion& motion) {
   Eigen::VectorXd value = Eigen::VectorXd::Zero(s.base);
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
@@ -119,6 +128,7 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   return value;
 }
 
+// The traction moments are those that act in the solve, so that what is called balanced here is balanced there.
 Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading& loading, const RigidMotion& motion,
              Index triangles) {
   const Eigen::VectorXd loads = traction_loads(mesh, k, s, loading.data);
@@ -158,6 +168,7 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
   return {work, size};
 }
 
+// Gram-Schmidt with pivoting on the rows of the traces.
 std::vector<Index> pins(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
                         std::span<const Index> piece) {
   const Index n = static_cast<Index>(motions.size());
@@ -194,6 +205,7 @@ Points seen_points(const Kernel& k, const Triangle& t, const TriangleRule& rule)
   return k.element.displacement == 0 ? Points(centroid(t).replicate(1, rule.w.size())) : rule_points(rule, t);
 }
 
+// Over the first triangles, which are own ones in a part.
 Eigen::MatrixXd gram_of(const Mesh& mesh, const Kernel& k, const Skeleton& s, const std::vector<RigidMotion>& motions,
                         Index triangles) {
   const auto n = static_cast<Eigen::Index>(motions.size());

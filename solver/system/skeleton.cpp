@@ -1,3 +1,13 @@
+// The unknowns of the condensed system: displacements m at the Gauss points of edges, two components in the frame of
+// the edge, values at vertices where the element has them, and behind all of these the jumps j on crack edges,
+//   m_right = m_left + j   [theory: C.3],   j_n = [u].n >= 0, p_n >= 0 at the Gauss points where faces may touch (C.4).
+// On crack edges frames are (normal, tangent), those of the true curve where a crack is curved. Prescribed
+// displacements are projections in L2, which at Gauss points with weights w is m_g = sum_q w_q phi_g(s_q) u(s_q)/w_g
+// (E.5), and moments of tractions are |e| sum_q w_q phi_g(s_q) t(s_q). Jumps that have a gap are counted from first
+// contact, -gap prescribed (C.21, C.22). Which combinations of traces no triangle sees is marked for elements that have
+// some. Derived in docs/theory/contact.md, section Jumps as unknowns, and docs/theory/elements.md, section
+// Hybridization.
+
 #include "solver/system/skeleton.hpp"
 #include "geometry/topology.hpp"
 #include "solver/state/solve.hpp"
@@ -100,6 +110,7 @@ void bend_roller(const Mesh& mesh, const Kernel& k, Index e, const Vec2& outward
     s.bent.push_back(frame_on_bow(mesh, s, e, k.trace.s[g], outward));
 }
 
+// Displacement elements take the value in the middle of the edge; values at corners come from support_corners.
 void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Skeleton& s) {
   const int points = points_per_edge(k.element);
   const EdgeRule rule = gauss(data_points);
@@ -150,6 +161,8 @@ Index corner_of(const Mesh& mesh, const Skeleton& s, Index e, int end) {
 }
 
 // Displacement elements: at a corner the supports of the edges that meet there add up, two directions at most.
+// With axes e_1, e_2 of the corner and the value along e_1 known, a second direction d gives the value along e_2: (v -
+// (d.e_1) u_1)/(d.e_2). Directions closer than 1e-3 count as one.
 void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   for (const Support& support : scene.supports)
     for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
@@ -184,6 +197,8 @@ void support_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
 
 // Stresses at vertices: sigma n = g on every edge that is not supported there, in the mean of squares where two edges
 // meet in a corner. Without this the order of the element falls by half [theory: E.16].
+// A row d.(s n) on (s11, s22, sqrt(2) s12) is (d_1 n_1, d_2 n_2, (d_1 n_2 + d_2 n_1)/sqrt(2)). The right singular
+// vectors become the frame of the corner: what the tractions say are its first components, the rest stays free.
 void load_corners(const Mesh& mesh, const Scene& scene, Skeleton& s) {
   struct Rows {
     Eigen::Matrix<double, Eigen::Dynamic, 3> rows;
@@ -279,6 +294,8 @@ const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
   return s.bent_at[edge] == none ? s.frame[edge] : s.bent[s.bent_at[edge] + point];
 }
 
+// Frames of chords with a prescribed normal (a crack on an arc) are known at Gauss points alone: between these the
+// edge's own stands.
 Mat2 frame_between(const Mesh& mesh, const Skeleton& s, Index edge, double at) {
   if (s.bent_at[edge] == none || !bow_at(s.bows, edge)) return s.frame[edge];
   return frame_on_bow(mesh, s, edge, at, s.frame[edge].col(0));
@@ -292,6 +309,8 @@ Index corner_unknown(const Skeleton& s, Index corner) {
   return static_cast<Index>(s.frame.size()) * s.per_edge + corner * s.per_vertex;
 }
 
+// A uniform pressure stores no energy where c = 0. Its level is free where every normal component on the boundary is
+// prescribed and no face can open.
 bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
   if (std::ranges::any_of(all_materials(scene), [](const Material& m) { return m.c > 0; })) return false;
   bool contact = false;
@@ -312,6 +331,8 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) 
   return true;
 }
 
+// The unknowns: edges, corners, jumps. A continuous rotation has a copy for each fan between open cracks and between
+// materials: with single values across a crack the error at its tips falls more slowly.
 Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const Bows& bows) {
   const Scene& scene = loading.scene;
   check_element(mesh, k.element, scene);
@@ -373,6 +394,7 @@ const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
   return region == none ? scene.material : scene.regions[region];
 }
 
+// The triangle points into the skeleton's frames and bows, which must outlive it.
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
   Triangle result = cell_of(mesh, s.bows, t);
   for (int i = 0; i < 3; ++i) {
@@ -384,6 +406,7 @@ Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
   return result;
 }
 
+// sides[1] is the right side of an edge, the one that sees base and jump.
 Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
   Seen result;
   for (int i = 0; i < 3; ++i) {
@@ -403,6 +426,7 @@ Seen seen(const Mesh& mesh, const Skeleton& s, Index t) {
   return result;
 }
 
+// Base plus jump on the right of a crack (C.3).
 SkeletonVector trace_seen(const Mesh& mesh, const Skeleton& s, const Eigen::VectorXd& values, Index t) {
   const Seen view = seen(mesh, s, t);
   SkeletonVector trace(view.count);
@@ -450,6 +474,8 @@ void add_pressure(const Mesh& mesh, const Kernel& k, const Skeleton& s, Index e,
 
 }  // namespace
 
+// Data have data_points Gauss points on an edge, which are exact for polynomials of degree 7 against the traces (D.2).
+// P_2 has a bubble in the middle of the edge, 4 s (1 - s), whose half is taken from the linear functions at the ends.
 Eigen::VectorXd traction_loads(const Mesh& mesh, const Kernel& k, const Skeleton& s, const SceneData& data) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(s.total);
   const EdgeRule rule = gauss(data_points);

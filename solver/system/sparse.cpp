@@ -1,3 +1,5 @@
+// Products with a symmetric matrix that is kept as its lower triangle, and its rows in another order.
+
 #include "solver/system/sparse.hpp"
 
 #include <algorithm>

@@ -1,3 +1,12 @@
+// Pieces of a body that contact alone holds: K has their rigid motions R for its kernel, R_c their jumps on the rows in
+// contact. Slides that no row of R_c sees get rows of no law until R_c has full rank. At as many pivoted rows as there
+// are motions the diagonal is doubled for the factor, K + D = L L', and
+//   S = L_22 L_22' - D,   S R_c = 0   [theory: C.24];
+// the problem is solvable if R'F + sum_i q_i g_i = 0 for some q >= 0 on the rays g_i of the contact cones [theory:
+// C.25], found by nonnegative least squares [Lawson, Hanson 1974]; else the motion with which rigid pieces would begin
+// is named [Moreau 1988; theory: C.37]. The search adds a proximal term (delta/2) |Q'(j - j_m)|^2 on the motions
+// [theory: C.26]. Derived in docs/theory/contact.md, section Pieces that contact holds.
+
 #include "solver/system/standing.hpp"
 
 #include "base/dense.hpp"
@@ -44,9 +53,10 @@ Eigen::MatrixXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s
   return all;
 }
 
-constexpr double resists = 1e-9;  // relative singular values below are rounding
+constexpr double resists = 1e-9;  // relative eigenvalues of rows'rows below are rounding
 
 /// Orthonormal combinations that the rows do not see.
+/// By eigenvalues of rows'rows, squares of singular values: the limit on those is 3e-5 of the largest.
 Eigen::MatrixXd unseen_by(const Eigen::MatrixXd& rows) {
   const Eigen::Index n = rows.cols();
   if (rows.rows() == 0) return Eigen::MatrixXd::Identity(n, n);
@@ -58,6 +68,7 @@ Eigen::MatrixXd unseen_by(const Eigen::MatrixXd& rows) {
 }
 
 /// Of a combination, what the piece that moves most does.
+/// For messages: the sizes are those of the shares, in units of the radius of each piece.
 PieceMotion leading(const Standing& standing, const Eigen::VectorXd& share) {
   std::vector<double> size;
   for (std::size_t i = 0; i < standing.motions.size(); ++i) {
@@ -88,6 +99,7 @@ std::string named(const PieceMotion& m) {
 struct FaceUnknowns {
   std::vector<Index> resisting, sliding;
 };
+/// Tangential jumps without friction resist nothing, and are candidates for rows of no law.
 FaceUnknowns face_unknowns(const Mesh& mesh, const Scene& scene, const Skeleton& s) {
   FaceUnknowns f;
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c) {
@@ -113,6 +125,8 @@ std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene) {
   return pieces(mesh, cut);
 }
 
+/// `left` shrinks by one column with each row that is added. A jump of 1e-6 of a motion of unit size is the least that
+/// stops it.
 Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   Standing standing{.piece = pieces_of(mesh, scene)};
   const Index count = standing.piece.empty() ? 0 : 1 + *std::max_element(standing.piece.begin(), standing.piece.end());
@@ -146,6 +160,8 @@ Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, 
 namespace {
 
 /// Forces of contact on a motion, by unit pressures: a column per ray of the cones.
+/// Rays of the cone at a Gauss point: n, or with friction its edges n + f t and n - f t, and +-t where a slip bound
+/// acts on open points as well.
 Eigen::MatrixXd rays(const Numbered& of, const Eigen::MatrixXd& jumps) {
   const Skeleton& s = of.skeleton;
   const Index leading = of.ordering.leading();
@@ -237,6 +253,8 @@ Eigen::MatrixXd rays(const std::vector<Foot>& feet, Eigen::Index motions) {
 /// How rigid pieces at rest begin to move under the work `f` per motion: the forces at their feet press where they do
 /// not part and rub against the way they slide, at most by friction times what presses (complementarity, by projected
 /// Gauss-Seidel [Moreau 1988]). Motions have unit mass.
+/// One sweep over the feet changes one force after the other so that its own point obeys the law; motions follow at
+/// once (Gauss-Seidel). Slip bounds stop any slide here: only what Coulomb and contact allow is named.
 Eigen::VectorXd beginning(const std::vector<Foot>& feet, const Eigen::VectorXd& f) {
   constexpr int most = 20000;
   constexpr double settled = 1e-12;
@@ -276,12 +294,16 @@ Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
 
 }  // namespace
 
+/// Slides get the mean of the diagonal for a stiffness: S stays definite, and the state is the one that slides least.
 void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
   if (empty()) return;
   S.diagonal() -= springs;
   if (slides.cols() > 0) S += S.diagonal().mean() * slides * slides.transpose();
 }
 
+/// First the feet, where forces may act up to the ends of the faces: if these do not balance the loads nothing does.
+/// Then the Gauss points of the mesh: if those do not, triangles at the ends of the feet are too large. What is left in
+/// between is rounding and taken out of F.
 void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standing& standing,
           std::vector<std::string>& notes) {
   const Ordering& o = of.ordering;
@@ -347,6 +369,8 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
   notes.push_back(std::move(note));
 }
 
+/// delta = 1e-4 of the mean diagonal of S. When the set stays S alone takes it on, whose moving rows are definite where
+/// contact holds the pieces.
 Contact semicoercive(const SmallProblem& p, const std::vector<Motion>& guess) {
   constexpr int most = 30;
   const double weight = 1e-4 * p.S.diagonal().mean();

@@ -32,11 +32,11 @@ struct Standing {
   void release(Eigen::Ref<Eigen::MatrixXd> S) const;
 };
 
+/// Per triangle: the piece that open and closed cracks leave it in.
+std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene);
 /// The pieces that cracks leave and supports do not hold. Marks tangential jumps that are to be rows in contact of no
 /// law, so that a piece that slides freely is held by its rows (Skeleton::sliding). Throws Error(Numerics) that names a
 /// motion that no contact can resist.
-/// Per triangle: the piece that open and closed cracks leave it in.
-std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene);
 Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s);
 
 /// What is numbered and assembled.

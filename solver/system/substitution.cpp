@@ -1,4 +1,9 @@
-// Substitutions with the fronts' panels [theory: E.29].
+// Substitutions with the panels of a multifrontal factor, up the tree with L and down it with L',
+//   y_s = L_ss^-1 x_s,   x_p <- x_p - L_ps y_s;     z_s = L_ss^-T (y_s - L_ps' z_p)   [theory: E.29],
+// for one right-hand side or many, each panel read once for all of them. On the way up a subtree adds what concerns
+// rows above it to an array of its own; these arrays are added in the order of the subtrees, so that subtrees run side
+// by side with the same bits. Fronts above are cut into strips of rows (up) and columns (down). Backwards some fronts
+// may be left out, where few rows of the solution are wanted. Derived in docs/theory/elements.md, section The factor.
 
 #include "base/parallel.hpp"
 #include "kerf/stop.hpp"
@@ -71,6 +76,7 @@ void pull(const FrontPanel<Scalar>& panel, Index from, Index step, Index row, In
 }
 
 /// x <- l^-1 x for the diagonal block of columns from .. from + n, of one eight.
+/// Forward substitution with an eight of columns: y_k = x_k/l_kk, then x_i -= l_ik y_k.
 template <typename Scalar>
 void divide_panel(const FrontPanel<Scalar>& panel, Index from, Index n, double* x) {
   for (Index k = 0; k < n; ++k) {
@@ -125,6 +131,8 @@ struct Multifrontal::Substitution {
     for (Eigen::Index c = 0; c < count; ++c)
       push(f.panel, from, step, row, rows, w + c * f.height + from, w + c * f.height + row);
   }
+  /// Rows of the own block, then all rows behind it up to `end`, take what an eight makes: each panel column is read
+  /// once.
   void forward_in_blocks(const ConstFront& f, double* w, Index from, Index to, Index end) const {
     for (; from < to; from += block) {
       const Index step = std::min(block, to - from), behind = from + step;
@@ -145,6 +153,7 @@ struct Multifrontal::Substitution {
     }
   }
 
+  /// Smaller panels are gone through by eight columns; larger ones in tiles, whose rows or columns threads share.
   bool is_large(const ConstFront& f) const {
     return std::int64_t{f.width} * f.height > 200000;
   }
@@ -154,6 +163,7 @@ struct Multifrontal::Substitution {
     for (Index i = 0; i < items; ++i) body(i);
   }
 
+  /// Forwards each row behind the tile is changed by itself: threads take strips of rows.
   void forward_in_front(const ConstFront& f, double* w, bool together) const {
     if (!is_large(f)) return forward_in_blocks(f, w, 0, f.width, f.height);
     for (Index from = 0; from < f.width; from += tile) {
@@ -163,6 +173,8 @@ struct Multifrontal::Substitution {
            [&](Index i) { push_from(f, w, from, to - from, to + i * strip, std::min(strip, rows - i * strip)); });
     }
   }
+  /// Backwards each column of the tile is a sum over all rows below: threads take columns, 32 at a time, and sums keep
+  /// their order.
   void backward_in_front(const ConstFront& f, double* w, bool together) const {
     if (!is_large(f)) return backward_in_blocks(f, w, 0, f.width, f.height);
     constexpr Index few = 32;
@@ -184,6 +196,7 @@ struct Multifrontal::Substitution {
   }
 
   /// What the front adds to rows from `limit` on, which others have, too, goes into `outside`.
+  /// `limit`: the first row behind the subtree. Rows are increasing, so that those of others come last.
   void forward_front(Index s, Room& room, Index limit, double* outside, Index apart, bool together) const {
     const ConstFront f = front(s);
     double* w = columns_of(room, f);
@@ -244,6 +257,7 @@ struct Multifrontal::Substitution {
       if (!u.subtree) forward_front(of.sequence_[u.begin], room, of.columns_, nullptr, 0, true);
   }
 
+  /// From the root down; the rows of others are read, never written, so that subtrees need no arrays.
   void backward() {
     const auto wanted = [&](Index s) { return !marked || (*marked)[static_cast<std::size_t>(s)]; };
     Room top;
