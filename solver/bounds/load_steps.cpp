@@ -1,3 +1,6 @@
+// The two intervals of -J'(0) from bounds of the energies J(-k), J(0), J(k): by concavity [theory: B.15] and by crossed
+// works [theory: B.16]. Every energy enters on the side that makes the interval wider.
+
 #include "solver/bounds/load_steps.hpp"
 
 #include <algorithm>

@@ -1,3 +1,13 @@
+// Loads of duals that are cut off, in the triangles where grad chi is not 0 [theory: B.20, B.42];
+// docs/theory/bounds.md, "Cut off, many at once". For all fields G that share a disc, sampled together at the points of
+// a triangle,
+//   body force f = sigma_G grad chi,   eigenstrain e = -sym(grad chi x G);
+// f as a polynomial of degree trace + 1 and e of degree 4, with what both leave out and the errors of their integrals,
+// as solver/bounds/polynomial_data.cpp and solver/data/strain.cpp do for the data of a scene. One elimination per
+// triangle makes of their moments the fields inside with the edges at rest (`interior`) and the loads on the edges
+// (`given`). assemble_ring adds these up to a right-hand side; in a body that nothing holds, tractions on free edges
+// balance what is left.
+
 #include "solver/bounds/ring_loads.hpp"
 
 #include "base/dense.hpp"
@@ -27,6 +37,7 @@ struct RingValues {
 };
 using AllValues = std::array<RingValues, Nuclei::most>;
 
+/// Rows of `of`: force x, y; strain 11, 22; strain 12 and 0.
 void put(const NucleusValue& G, const Vec2& slope, Eigen::Index q, RingValues& to) {
   to.of[0].col(q) = G.stress * slope;
   to.of[1].col(q) = -slope.cwiseProduct(G.displacement);
@@ -97,6 +108,8 @@ class RingSampling {
     }
   }
 
+  /// `first_look` settles most triangles from the two rules; the others are cut and looked at until the data are
+  /// resolved.
   TriangleValues values(const Triangle& shape, std::size_t field, int kind) const {
     const auto which = static_cast<std::size_t>(kind);
     if (std::optional<TriangleValues> v = first_look(at_[field].of[which], kernel_.load, finer_[field].of[which]))
@@ -161,6 +174,8 @@ class RingSampling {
   }
 
   /// As static_interior.
+  /// The couple is a load of the displacement, too, not of the stress alone: see "Cut off, many at once" in
+  /// docs/theory/bounds.md.
   void add_couple(const Triangle& shape, double couple, Eigen::Index i) {
     const Mat2 stress = antisymmetric(couple);
     Eigen::Index at = 0;
@@ -205,6 +220,7 @@ RingLoads empty_loads(const Model& m, std::shared_ptr<const std::vector<Index>> 
 
 }  // namespace
 
+/// A superset: triangles that are surely within the inner circle or beyond the outer one are left out.
 std::shared_ptr<const std::vector<Index>> ring_triangles(const Model& m, const CutOffRing& ring) {
   auto all = std::make_shared<std::vector<Index>>();
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
@@ -220,6 +236,7 @@ std::shared_ptr<const std::vector<Index>> ring_triangles(const Model& m, const C
   return all;
 }
 
+/// Blocks of a fixed size write to columns of their own; the sampling keeps its buffers within a block.
 std::vector<RingLoads> ring_loads(const Model& m, const CutOffRing& ring, std::span<const std::size_t> fields) {
   const std::shared_ptr<const std::vector<Index>> triangles = ring_triangles(m, ring);
   std::vector<RingLoads> all;
@@ -240,6 +257,8 @@ std::vector<RingLoads> ring_loads(const Model& m, const CutOffRing& ring, std::s
 namespace {
 
 /// What tractions on free edges must take: the combination of motions that undoes the work `net` on each.
+/// Tractions sum_k a_k m_k with the motions m_k, G a = -net, G = int m_j . m_k over the free edges. They count as an
+/// error of the integral of the data on each edge (`moved`), by their largest size.
 struct EdgeBalance {
   const Model& m;
   std::vector<EdgeData*> edges;
@@ -313,6 +332,7 @@ bool assemble_ring(LaneDual& dual) {
     }
   }
   if (motions.empty()) return true;
+  // Of the sum of absolute works: beyond it the quadrature has not resolved the loads.
   constexpr double small = 1e-4;
   if (!((net.array().abs() <= small * size.array()).all())) return false;
   EdgeBalance balance{m, {}};
