@@ -1,3 +1,6 @@
+// The efficiency index i = |eta|/|s* - s| of the indicator, over the triangles with a recovered stress s* [theory:
+// R.6].
+
 #include "solver/post/calibrate.hpp"
 
 #include "solver/anisotropic.hpp"
@@ -68,6 +71,7 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
   constexpr Index few = 20;
   constexpr double exact = 1e-10;  // of the stress: what is left is rounding
   // Where the recovered stress is hardly better than the other one, on coarse meshes, it says too much.
+  // The index stays within a factor 2 of that of the element; at_tips: two thirds of it where the stress is singular.
   constexpr double doubt = 2, at_tips = 1.5;
   if (count >= few && square > exact * exact * stress && indicated > 0)
     result.regular =

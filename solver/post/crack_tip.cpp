@@ -1,3 +1,13 @@
+// The frames of crack tips and the curve of the crack behind them. A tip is an end of a crack inside the body and on no
+// other crack. From the vertices of its path: the straight part as far as the turn off the line is below 1e-4, or the
+// smooth part as far as the curvature 2 turn/(l_1 + l_2) at a vertex has its like at a neighbour. A smooth part is a
+// cubic per edge through the vertices, slopes from parabolas through three neighbours,
+//   x(t) = a + t (b - a) + t (1 - t) ((1 - t) p - t q),   p and q the slopes at the ends less the chord,
+// or the tangents of the arcs that the edges follow. It ends where it has turned by half a radian or comes back towards
+// the tip, so that it is a graph over the distance from the tip: angle_about needs the crack at every distance once.
+// The radius that is clear of everything else (`room`) bounds the rings of the integrals. docs/theory/fracture.md uses
+// these frames.
+
 #include "solver/post/crack_tip.hpp"
 
 #include "solver/stress.hpp"
@@ -46,6 +56,8 @@ std::size_t straight_edges(const std::vector<Vec2>& x) {
 }
 
 /// Number of edges up to the first kink: a turn that is large, or has no like beside it.
+/// `large`: 20 degrees, more than the turn at a vertex of a curve that is meshed as such. `alike`: curvatures that
+/// differ by less than 60 % of the larger one.
 std::size_t smooth_edges(const std::vector<Vec2>& x) {
   constexpr double large = 0.35, alike = 0.6;
   std::vector<double> turn(x.size(), 0), curvature(x.size(), 0);
@@ -66,6 +78,7 @@ std::size_t smooth_edges(const std::vector<Vec2>& x) {
 }
 
 /// Derivatives per length of chord, of the parabolas through three neighbors.
+/// At the two ends the slope of the same parabola, 2 chord - slope of the other end.
 std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
   const std::size_t n = x.size() - 1;
   std::vector<Vec2> chord(n), slope(n + 1);
@@ -82,6 +95,7 @@ std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
 }
 
 /// The same where the edges follow arcs: their tangents away from the tip, `count` of them, each edge in so many parts.
+/// Arc parameters run evenly over the parts of a divided edge. The last vertex is the end of the edge before it.
 std::vector<Vec2> slopes_of_arcs(const Mesh& mesh, const Walk& w, std::size_t count, std::size_t parts) {
   std::vector<Vec2> slope(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -200,6 +214,7 @@ std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
   return tips;
 }
 
+/// p and q vanish on a straight edge; the derivative follows by the product rule.
 CurvePoint curve_point(const CrackTip& tip, std::size_t edge, double t) {
   const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
   const double l = (b - a).norm();
@@ -219,6 +234,8 @@ double angle_about(const CrackTip& tip, const Vec2& x) {
   const double half = a.dot(along), square = along.squaredNorm();
   double t = (std::sqrt(std::max(half * half + square * (r * r - a.squaredNorm()), 0.0)) - half) / square;
   Vec2 there = -(a + t * along);
+  // Newton's method for |x(t)| = r, from the point on the chord; the arc is near it, so that three steps reach
+  // rounding.
   if (tip.follows && t <= 1) {  // cells reach to the curve, not to its chord
     constexpr int steps = 3;
     const auto edge = static_cast<std::size_t>(after - v.begin()) - 1;

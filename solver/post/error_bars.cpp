@@ -1,3 +1,9 @@
+// Error bars of a quantity T at corners and centroids from a better solution T_b, one order more with as many unknowns,
+//   half width = max(1.5 |T - T_b|, 1.3 mean |T - T_b| over two rings of triangles)      [theory: R.9].
+// If the better error is at most a third of the error e, then |T - T_b| >= 2/3 e. The second term is for points where
+// the difference changes sign. Also here: the sizes of the better mesh and the places where both are compared. Nothing
+// is guaranteed: the factors are measured. See "Error bars" in docs/theory/recovery_and_estimates.md.
+
 #include "solver/error_bars.hpp"
 
 #include "solver/post/blend.hpp"
@@ -33,6 +39,8 @@ Eigen::VectorXd triangle_means(const Corners& c, const Eigen::VectorXd& of_corne
 
 }  // namespace
 
+/// Per vertex the mean length of its edges over a factor: 8 at singular corners, 4 along curves that the mesh draws as
+/// chords. A turn above 1e-6 is more than rounding, one below 0.4 is no corner.
 std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::vector<bool>& singular, double longer) {
   constexpr double at_singular = 8, at_curved = 4;
   std::vector<double> size(mesh.points.size(), 0), count(mesh.points.size(), 0);
@@ -95,6 +103,7 @@ ErrorBars error_bars(const Corners& c, const Eigen::VectorXd& values, const Eige
   return bars;
 }
 
+/// The means around the three corners, blended as roots like the means themselves.
 double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, const PointIn& at, double difference) {
   const Shares share = shares_at(mesh, at);
   double root = 0;

@@ -1,3 +1,6 @@
+// Where the von Mises stress is largest, on a lattice of the triangles around the largest corners: the first term of
+// the margins of printed maxima [theory: R.11].
+
 #include "solver/largest_stress.hpp"
 
 #include "solver/bounds/right_inverse.hpp"
@@ -22,6 +25,7 @@ double eigenstrain_33(const Model& model, const PointIn& p) {
 
 }  // namespace
 
+/// The lattice of degree 4 has 15 points per triangle, 12 of them on its edges.
 std::vector<PointIn> points_near_largest(const Model& model, const Corners& corners, const Eigen::VectorXd& at_corners,
                                          const std::function<bool(const Vec2&)>& excluded) {
   constexpr std::size_t most = 100;

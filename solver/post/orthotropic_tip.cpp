@@ -1,3 +1,7 @@
+// Singular fields of a tip in an orthotropic material by divided differences of the two roots, which hold for equal
+// roots [theory: O.8, O.9, O.10, O.11; Sih, Paris, Irwin 1965], and K, G, T from the integrals with them [theory:
+// O.12].
+
 #include "solver/post/orthotropic_tip.hpp"
 
 #include "solver/element/local.hpp"
@@ -15,6 +19,8 @@ namespace {
 using Complex = std::complex<double>;
 
 /// sqrt(cos + p sin), continuous in the angle past the crack on either side.
+/// The argument of cos + p sin passes the negative axis behind the tip; there the root is that of the opposite
+/// direction times +-i, so that each face has its own sign.
 Complex root_at(const Complex& p, double angle) {
   constexpr double behind = pi / 2;
   if (std::abs(angle) <= behind) return std::sqrt(std::cos(angle) + p * std::sin(angle));
@@ -67,6 +73,7 @@ double orthotropic_release(const Material& m, const Vec2& K) {
   return 0.5 * k.dot(surface(m).inverse_L * k);
 }
 
+/// Solves I = b11 s11 + b16 s12 + (b12 - w) s22 for s11; `traction` has s12 and s22 of the faces.
 double orthotropic_t_stress(const Material& m, double integral, const Vec2& traction) {
   const PlaneCompliances b = compliances(m);
   return (integral - b.b16 * traction[0] - (b.b12 - surface(m).w) * traction[1]) / b.b11 - traction[1];

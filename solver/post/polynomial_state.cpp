@@ -1,3 +1,12 @@
+// States whose stress is a polynomial and in equilibrium, fitted to samples of a discrete state [theory: F.7].
+// Isotropic:
+//   s11 + s22 = 4 Re phi',  s22 - s11 + 2 i s12 = 2 (conj(z) phi'' + psi'),  rotation = -(kappa + 1)/(2 mu) Im phi',
+//   phi' = sum a_n z^n, psi' = sum b_n z^n, n <= degree      [Muskhelishvili 1953];
+// orthotropic with powers of both z_k = x + p_k y and their divided differences [theory: O.13]. A state under a uniform
+// body force is linear. Rotations count as stresses, times 2 mu. Least squares over the samples of all processes;
+// coefficients that the samples do not determine are 0 by the least norm. Interaction integrals of such a state are
+// known, so that fracture.cpp takes it out before the quadrature. docs/theory/fracture.md, "Polynomial states".
+
 #include "solver/post/polynomial_state.hpp"
 
 #include "base/dense.hpp"
@@ -100,6 +109,8 @@ double PolynomialState::t_stress() const {
   return coefficients.size() > 2 ? -2 * coefficients[2] : 0;
 }
 
+/// Places are divided by the distance of the farthest sample: the powers stay below 1. The normal matrix is of size 4
+/// (degree + 1); `sums` adds it over processes.
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
                           const std::vector<StateSample>& samples, const Sums& sums) {
   PolynomialState state{.material = material, .degree = degree, .force = force, .coefficients = {}};
@@ -124,6 +135,7 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
   return state;
 }
 
+/// Isotropic: s11 = s22 = 2 Re a_0.
 PolynomialState uniform_pressure(const Material& material, double stress) {
   if (!isotropic(material)) {
     const Eigen::Matrix4d constant = orthotropic_basis(material, 0, Vec2::Zero());

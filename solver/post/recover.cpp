@@ -1,3 +1,13 @@
+// Displacements of one degree more than the stresses, corner values, and the profiles of cracks. On each triangle of a
+// mixed element u* solves, for all polynomials v of its degree,
+//   (grad u*, grad v) = (A s + Gamma(omega) + eigenstrain, grad v),   int u* = int u      [Stenberg 1991; theory: R.1],
+// by monomials of degree 1 to D about the centroid, of which the mean is taken off. Straight triangles take the tables
+// of the reference triangle and the metric of the map; curved ones integrate on the body. Each has its transpose
+// (weigh_*), which carries the derivative of a functional of u* back to the coefficients of s, u, omega: step by step
+// backwards, so that it is exact. recovered_lanes is the same for several fields side by side. Displacement elements
+// have their own u. The rest of the file reads points of cracks: jumps, pressures, and whether the faces touch.
+// docs/theory/recovery_and_estimates.md.
+
 #include "kerf/recover.hpp"
 
 #include "solver/recovery.hpp"
@@ -78,6 +88,8 @@ void add_orthotropic(const Material& m, const Eigen::Vector4d& s, Eigen::Ref<Eig
 // Straight triangles: u* = mean + sum_k c_k (v_k - mean v_k), v_k the monomials of degree 1 to D in scaled barycentric
 // coordinates, in which all that does not depend on the triangle's shape is tabled. D lies above the degree of the
 // strains, which is that of the stresses without their bubbles.
+// With G = grad v in the scaled coordinates and M = inverse of the map, (grad v_i, grad v_j) = G_i M M' G_j': three
+// tables.
 template <int D>
 struct Tables {
   static constexpr int n = Monomials<D>::count;
@@ -228,6 +240,7 @@ void recovered_side_by_side(const Model& model, Index t, const double* fields, c
 }
 
 // By the stresses, from the derivative by the gradient d1 u1, d2 u1, d1 u2, d2 u2.
+// The transpose of A, which is symmetric.
 Eigen::Vector4d by_stress(const Material& m, const Eigen::Vector4d& d) {
   const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
   Eigen::Vector4d s(difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference);
@@ -334,6 +347,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
   return by_degree(model, [&]<int D>() { return weigh_recovered<D>(model, t, x, weights); });
 }
 
+/// Averages over the triangles at a corner, weighted by area; corners on the two sides of a crack are different ones.
 CornerValues corner_values(const Model& model, const Field& state, const Corners& corners) {
   const Index triangles = static_cast<Index>(model.mesh.triangles.size());
   const Eigen::Index n = static_cast<Eigen::Index>(corners.vertex.size());
@@ -394,6 +408,7 @@ double mean_stress(const Model& model, const Field& state) {
   return std::sqrt(square / area(model));
 }
 
+/// Of the material on the left of the crack's first edge.
 double modulus_beside(const Model& model, Index crack) {
   const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];
   return plane_modulus(material_of(model.mesh, model.scene, beside));
@@ -402,6 +417,7 @@ double modulus_beside(const Model& model, Index crack) {
 namespace {
 
 // Below these a pressure or a gap is rounding: relative to the opening that the mean stress could cause.
+// A jump that is the difference of two large rigid motions has their rounding: hence the second bound.
 struct Smallest {
   double pressure, gap;
 };
@@ -452,6 +468,7 @@ CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smal
 
 }  // namespace
 
+/// Along a curved edge by Gauss points of |dx/ds|.
 double length_along(const Model& model, Index edge) {
   const Bows& bows = model.inner->skeleton.bows;
   if (!bow_at(bows, edge)) return length(model.mesh, edge);

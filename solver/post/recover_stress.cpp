@@ -1,3 +1,14 @@
+// A stress of higher order at points [Zienkiewicz, Zhu 1992], from polynomials fitted to the discrete stress around
+// corners:
+//   min over pi in P_d of  sum_T |T|/(0.1 + delta_T^2) |mean_T pi - mean_T s|^2   (orders 1 and 2, two rings)   or
+//   min over pi in P_d of  sum_T int_T |pi - s|^2   (above, one ring)      [theory: R.2],
+// delta_T the distance of the centroid from the corner over the largest in the patch. At a point the polynomials of the
+// three corners are blended by barycentric coordinates [theory: R.3]. Patches do not cross cracks, nor corners where
+// the stress may be infinite; around those the discrete stress is kept. Corners are fitted four at a time, in packs,
+// and the normal matrix is shared by all fields of one mesh; where it is close to singular a corner is fitted alone, by
+// a lower degree. Equilibrium, functionals and bounds never use this stress. docs/theory/recovery_and_estimates.md,
+// "Stresses".
+
 #include "solver/recover_stress.hpp"
 #include "solver/post/blend.hpp"
 #include "solver/recovery.hpp"
@@ -39,6 +50,8 @@ Monomial<P> monomial(double x, double y) {
 }
 
 // The moments of a triangle, from its corners about the centroid.
+// Means of monomials over a triangle are sums over its corners: of x^2 about the centroid (1/12) sum d_i^2, of x^3
+// (1/30) sum d_i^3.
 struct Moments {
   Vec2 center = Vec2::Zero();
   double area = 0;
@@ -57,6 +70,7 @@ void set_moments(Moments& m, const Triangle& t) {
   }
 }
 
+/// The middles of the edges integrate quadratics exactly.
 Eigen::Vector3d mean_stress_of(const FieldToRecover& of, Index t) {
   const Model& m = of.model;
   const Triangle shape = triangle(m, t);
@@ -92,6 +106,8 @@ struct FourCorners {
   Pack x, y, reach;
 };
 
+/// `set` fills m with the means of the monomials over the triangle: the monomial at the centroid plus moments of the
+/// differences. The weight falls with the distance, so that far triangles of irregular patches count less.
 class Means {
  public:
   static constexpr int per_triangle = 1;
@@ -150,6 +166,7 @@ class Means {
   std::vector<Moments> of_;
 };
 
+/// Six points of a rule of degree 4 per triangle, weighted by area.
 class StressValues {
  public:
   static constexpr int per_triangle = 6;
@@ -268,6 +285,8 @@ class Patch {
 
 // Weighted least squares; falls back to lower degrees where the samples do not determine the fit. Of the normal matrix
 // what is below the diagonal.
+// Elimination without pivoting in the order of the degrees: the first pivot below least_pivot of its diagonal drops its
+// degree and all above.
 template <int P>
 class Fit {
  public:
@@ -313,6 +332,7 @@ class Fit {
 
 // The fits at four corners side by side, of all fields: the normal matrix is one for them. What a corner gets does not
 // depend on the other three.
+// A lane without a corner, or a sample that a smaller patch lacks, has the weight 0.
 template <int P, class Samples>
 class FourFits {
  public:
@@ -557,6 +577,7 @@ std::vector<bool> contact_changes(const Model& model, const Field& state) {
 }
 
 // Per corner the angle that its triangles fill; 0 inside the body.
+// At a tip 2 pi, at a reentrant corner more than pi.
 std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
   std::vector<bool> edge(mesh.points.size(), false);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -584,6 +605,8 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
   return result;
 }
 
+/// A patch of means needs more triangles than the polynomial has coefficients: four more, from a further ring at
+/// boundaries.
 std::vector<RecoveredStress> recover_stresses(std::span<const FieldToRecover> fields, const Corners& c,
                                               const std::vector<bool>& singular, const std::vector<bool>& wanted) {
   if (fields.empty()) return {};
@@ -607,6 +630,8 @@ RecoveredStress recover_stress(const Model& m, const Field& s, const Corners& c,
   return std::move(recover_stresses({&alone, 1}, c, singular).front());
 }
 
+/// Cross products of the corners seen from the point. On a curved triangle these are the coordinates of the triangle of
+/// its corners, which need not lie between 0 and 1.
 Shares shares_at(const Mesh& mesh, const PointIn& at) {
   const auto& v = mesh.triangles[at.triangle];
   Shares s{{}, 0};

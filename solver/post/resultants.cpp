@@ -1,3 +1,9 @@
+// Forces and moments about the origin: of tractions per label, of the body force, and of supports,
+//   force = sum over held components d of (int sigma n . d - load) d,   moment = sum cross(x, force).
+// In mixed elements the moments of sigma n with the trace functions act as forces at the Gauss points of the trace. In
+// displacement elements the forces on nodes are K u - F summed over triangles, less the loads. Loads come from their
+// data, by rules of the data's degree.
+
 #include "solver/resultants.hpp"
 
 #include "solver/element/local.hpp"
@@ -18,6 +24,7 @@ Index inside(const Mesh& mesh, Index e) {
 }
 
 // Forces of the triangles and of the loads on the unknowns of a supported edge, along the directions that are held.
+// Only directions that are held count: along the others the loads and the stress balance by themselves.
 class Holding {
  public:
   Holding(const Model& m, const Field& s)

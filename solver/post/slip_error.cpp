@@ -1,3 +1,6 @@
+// An estimate of the error of K_II that false pressure at a sliding tip makes by way of friction: delta K_II =
+// sqrt(2/pi) int r^-1/2 tau dr with tau the friction on what the pressure has beyond a line [theory: F.8].
+
 #include "solver/post/slip_error.hpp"
 
 #include <algorithm>
@@ -46,6 +49,8 @@ Line line_through(std::span<const Stretch> points) {
 
 }  // namespace
 
+/// int r^-1/2 dr over a stretch is 2 (sqrt(to) - sqrt(from)). The largest partial sum from the tip counts: what is
+/// false may end anywhere.
 double slip_error(const CrackTip& tip, const CrackLaw& law, std::span<const CrackPoint> profile, double length) {
   // Measured on exact stick-slip cracks: the sums below times 5 and 2 miss no error, and fall to a few 1e-4 of K_II on
   // mirrored meshes.

@@ -1,3 +1,12 @@
+// Scalars of the stress (von Mises, principal stresses), and the places where it may be infinite: tips, kinks and
+// junctions of cracks, corners between materials, reentrant corners, and the ends of supports. Whether the corner of an
+// angle between two sides that are free, held or on rollers is singular follows from the exponents of its
+// eigenfunctions [Williams 1952]: a free or a clamped corner above pi; free beside clamped at any angle; a roller
+// continues the body as its mirror image, which doubles the angle. Where a crack meets rollers squarely its mirror
+// image goes on behind them, and its end is no tip.
+// sigma_vM^2 = 3 (d^2 + s12^2) + m^2 with d = (s11 - s22)/2 and, for t = (s11 + s22)/2, m = t in plane stress and (1 -
+// 2 nu) t + E e33 in plane strain.
+
 #include "solver/stress.hpp"
 
 #include "geometry/plane.hpp"
@@ -30,6 +39,7 @@ void add_junctions(const Mesh& mesh, Vertices& vertices) {
       }
 }
 
+/// About 3 degrees: less is a chord of a curve, or rounding.
 constexpr double kink = 0.05;  // radians
 
 /// Whether the supports hold a side along its normal `n` alone.
@@ -111,6 +121,7 @@ std::vector<double> angles(const Mesh& mesh) {
 }
 
 // How a piece of the boundary is held.
+// Normal: rollers on a straight side. Else: one component that is not the normal one.
 enum class Held { Free, Fully, Normal, Else };
 
 Held held(const Scene& scene, Index label, const Vec2& n) {
@@ -170,6 +181,7 @@ Eigen::Vector3d symmetric_part(const Eigen::Vector4d& s) {
 }
 
 // 4 mu c = 1 - 2 nu in plane strain.
+// E = 2 mu (1 + nu) = mu (3 - 4 mu c), as nu = (1 - 4 mu c)/2.
 double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s, double e33) {
   const double mean = 0.5 * (s[0] + s[3]), difference = 0.5 * (s[0] - s[3]), shear = 0.5 * (s[1] + s[2]);
   const double share = plane_strain ? 4 * m.mu * m.c : 1, young = m.mu * (3 - 4 * m.mu * m.c);
