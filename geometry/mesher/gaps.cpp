@@ -1,4 +1,9 @@
 // Narrow gaps: for points along the sides and cracks, the nearest piece that faces them across the body.
+// For points along every strand, and for corners and tips, the nearest strand across the body within twice the mesh
+// size asks for `across` edges over the width between them. Two sides face each other if the way across makes an angle
+// below 45 degrees with the normal of the one and below 60 with that of the other; strands that share a corner make an
+// angle and no gap. Stretches are halved until they are shorter than 1.5 widths, so that a wedge of a gap is seen where
+// it is narrow. Targets are filed in cells as wide as the search reaches.
 
 #include "geometry/mesher/size_field.hpp"
 #include "geometry/plane/cells.hpp"
