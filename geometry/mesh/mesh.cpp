@@ -1,3 +1,10 @@
+// The mesh and its connections: edges between pairs of vertices by a counting sort of half edges, triangles on the left
+// and right of every edge (an edge runs from its smaller to its larger vertex), labels, cracks, regions; corners split
+// at cracks, connected pieces, and refinement of every triangle into four. Edges are sorted by (smaller, larger)
+// vertex, so that their numbers follow from the vertices alone: two meshes with the same vertices in the same order
+// have the same edges in the same directions. Divided edges of curved sides lie on their arcs, bit for bit those that
+// `refine` makes.
+
 #include "kerf/mesh.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
@@ -202,6 +209,8 @@ Corners split_at_cracks(const Mesh& mesh) {
   return split_at(mesh, cut);
 }
 
+/// A fan of triangles around a vertex, not across cut edges, shares one corner; the first fan keeps the vertex's
+/// number.
 Corners split_at(const Mesh& mesh, const std::vector<bool>& cut) {
   Corners corners;
   corners.of.assign(mesh.triangles.size(), {none, none, none});
@@ -329,6 +338,7 @@ std::vector<Vec2> divided_edge(const Mesh& mesh, Index edge, int divisions) {
 namespace {
 
 /// The arcs of `mesh` on the edges of `fine`, in two where an edge has a middle.
+/// Arcs run from the smaller vertex of their edge: of the second half that is b, as middles have the larger numbers.
 void halve_arcs(const Mesh& mesh, const std::vector<Index>& middle, Mesh& fine) {
   if (mesh.arc.empty()) return;
   fine.arc.assign(fine.edges.size(), none);

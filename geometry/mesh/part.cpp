@@ -1,3 +1,9 @@
+// Pieces of a mesh as meshes of their own, and a body put together with the balls that fill its holes. Vertices keep
+// their relative order, so that every edge keeps its direction and unknowns on edges can be copied without a change of
+// sign. A ball meets the body at the n vertices of its hole, found by their coordinates, which are the same numbers in
+// both; the edges of that rim lose their labels. Labels, cracks in the order of their paths, regions and arcs carry
+// over. Cracks of balls (slits) count behind those of the body.
+
 #include "geometry/part.hpp"
 
 #include <algorithm>
