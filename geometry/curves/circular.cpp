@@ -1,3 +1,5 @@
+// Ellipses and long arcs of a shape as chains of circular arcs of less than half a turn, for files that know no others.
+
 #include "geometry/arc_chain.hpp"
 
 #include "geometry/plane.hpp"
