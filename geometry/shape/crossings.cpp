@@ -1,4 +1,8 @@
 // Which straight pieces cross, touch or overlap: a sweep over the pieces sorted by their left ends.
+// Pieces of arcs are halved until their chords say what the arcs do: two pieces with sagittas p, q that are further
+// apart than p + q + gap do not meet. Pieces that share a point may meet there, but not in a wedge of less than 1e-5.
+// The sweep compares every pair whose boxes meet; of all meetings the one with the lowest pair of strands is told,
+// loops before cracks, so that the message does not depend on the order of the sweep.
 
 #include "geometry/shape/drawing.hpp"
 

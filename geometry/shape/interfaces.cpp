@@ -1,4 +1,10 @@
 // Regions that touch: sides that they share with each other, with the outline and with holes; paths of interfaces.
+// Sides that coincide are first made to do so from corner to corner: corners within 1e-6 of the extent become one, and
+// corners of others cut a strand. Then one strand stays for all that are one curve, with the region on its left and
+// what lies on its right (`beyond`); what a region shares with a loop is the loop's. Of regions that overlap one must
+// contain the other, the smaller counts: nesting follows from points just inside each region. A crack that is made of
+// sides of regions is an interface and takes their strands. Paths between two regions end where a third one or a loop
+// comes in.
 
 #include "geometry/interfaces.hpp"
 #include "geometry/shape/drawing.hpp"
@@ -133,6 +139,7 @@ class Sharing {
 };
 
 /// Which regions contain which.
+/// Regions of equal area that contain each other's points overlap: neither is the inner one.
 struct Nesting {
   std::vector<double> area;
   std::vector<Index> around;  // the innermost one that contains the region, or none

@@ -1,4 +1,8 @@
 // What makes a shape unusable, cheapest checks first.
+// Numbers and counts first, then lengths and arcs, then the drawing: crossings and touches (crossings.cpp), interfaces,
+// sides to be kept, cracks that come back to themselves, wedges below a degree, and places (a hole outside, a crack in
+// a hole), which are only asked once it is known that nothing crosses. Tolerances are parts of the extent: 1e-9 apart
+// (touch_tolerance), 1e-6 joined (join_tolerance). Messages name the loop, side or crack and a place.
 
 #include "geometry/interfaces.hpp"
 #include "geometry/shape/drawing.hpp"
