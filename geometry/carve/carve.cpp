@@ -1,4 +1,11 @@
 // The negative set, step by step: signs, pieces, contours, sides; then less smoothing until the shape can be meshed.
+// 1. signs of phi at the vertices; thin necks, slits and near misses are cleaned away by turning signs (clean.cpp);
+// 2. one connected body with its loads and supports, small holes filled (choose_pieces.cpp);
+// 3. closed contours of the zero line and the frame, cracks cut to what is inside (contours.cpp, cut_cracks.cpp);
+// 4. zero lines as few, smooth sides within the tolerance, without a change of area (simplify.cpp).
+// If the shape cannot be meshed, step 4 is repeated with less smoothing, with polygons for cut arcs, and without
+// smoothing; then phi is shifted by up to .75 of the tolerance times its mean slope, both ways. Notes say what was
+// done. "Drawn designs" in docs/theory/level_set.md says how designs are used further.
 
 #include "geometry/carve.hpp"
 
@@ -277,6 +284,7 @@ Shape assemble(const Cut& cut, const Lines& lines, const Simplifying& how, const
 }
 
 /// What keeping crossings clear of vertices took from the area, per length of the zero line.
+/// Crossings that keep clear of vertices enclose less or more than the exact ones; simplify gives it back.
 double offset(const Cut& cut) {
   const Mesh& mesh = cut.block.mesh;
   Signs exact = cut.signs;
@@ -386,6 +394,7 @@ Attempt attempt(const Block& block, const Eigen::VectorXd& phi) {
 }
 
 /// How much phi changes over a length along its zero line, in the mean.
+/// Sum of |jump of phi| over the sum of lengths, on crossed edges.
 double slope(const Mesh& mesh, const Eigen::VectorXd& phi) {
   double sum = 0, length = 0;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {

@@ -1,4 +1,9 @@
 // Which pieces of the negative set are the body, and which of its holes stay.
+// Connectedness is that of vertices inside by edges (union-find). The body is the piece that is held, bears most loads,
+// has most labels, and is the largest, in this order. A piece that bears a load and is not connected with it is an
+// error; one with a support alone or with nothing is dropped with a note. Holes smaller than `least_area` that do not
+// touch the frame's boundary are filled. What hangs on the body by cracks alone and bears no label is dropped, which
+// may disconnect more: hence the loop.
 
 #include "geometry/carve/signs.hpp"
 

@@ -1,3 +1,6 @@
+// Closed contours of what is inside: per triangle with two signs a link from the edge by which its boundary leaves to
+// the one by which it enters, along the frame a link per edge that is partly inside; each node has one successor.
+
 #include "geometry/carve/contours.hpp"
 
 #include <utility>

@@ -1,3 +1,5 @@
+// Signs of a function at vertices, where it crosses edges (linearly, kept clear of vertices), and the area inside.
+
 #include "geometry/carve/signs.hpp"
 
 #include <algorithm>
