@@ -1,3 +1,6 @@
+// Arcs x(t) = center + axes (cos t, sin t), circles and ellipses. The semi-axes are the singular values of `axes`:
+// their sum and difference squared are |axes|^2 +- 2 |det|.
+
 #include "geometry/plane.hpp"
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 // line behind the tip up to the crack, and all of P enters. J: the same with P_j = 1/2 s : grad u delta_1j - s_ij
 // u_i,1. I is linear in (s, u): a polynomial state, whose K = 0 and T are known, is taken out before the quadrature,
 // so that such states are exact.
+
 #include "kerf/fracture.hpp"
 #include "solver/recovery.hpp"
 #include "solver/shared_tips.hpp"
