@@ -265,6 +265,8 @@ std::string no_energy_bounds_because(const Model& m) {
   return {};
 }
 
+/// Triangles with data on their edges take the rich reference, of degree `data_carriers` at least: the polynomials of
+/// the data are of degree 5, and the fields that carry them of one degree more.
 std::vector<Share> bound_triangles(const Bounding& of, const References& to, const Field& s,
                                    const Eigen::MatrixXd& statics, const std::vector<std::vector<Index>>& edges) {
   std::vector<Share> shares(edges.size());
@@ -280,6 +282,7 @@ std::vector<Share> bound_triangles(const Bounding& of, const References& to, con
 }
 
 /// Of the first triangles.
+/// Sums in the order of the triangles; of what measures rounding the largest.
 Share total(const std::vector<Share>& shares, Index triangles) {
   Share sum;
   for (const Share& share : std::span(shares).first(static_cast<std::size_t>(triangles))) {
@@ -398,6 +401,10 @@ EnergyBounds interval_of(const Model& m, EnergySums sums) {
 
 }  // namespace
 
+/// Of two sides with the displacements u and u + [u] the tractions t_0, t_1 do the work (t_0 + t_1) . u + t_1 . [u]. On
+/// a bonded edge the first sum must balance the load. Between faces every side must balance its own load, but for a
+/// pressure of contact along the normal, which works on what overlaps alone. A held component takes whatever traction
+/// there is.
 double imbalance_on(const Model& m, const EdgeWork& at) {
   const Index points = points_per_edge(m.element), crack = m.mesh.crack[at.edge];
   const EdgeRule& trace = m.inner->kernel.trace;

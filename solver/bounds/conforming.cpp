@@ -177,6 +177,7 @@ struct Nodes {
   Index corner(Index t, Index vertex) const {
     return corners.of[t][corner_at(mesh, t, vertex)];
   }
+  /// Per place of lattice(degree) the number of the node, none inside the triangle.
   std::vector<Index> of(Index t) const {
     std::vector<Index> nodes(dim(degree), none);
     for (int i = 0; i < 3; ++i) {
@@ -195,6 +196,7 @@ struct Nodes {
   }
 };
 
+/// The faces of a bonded crack share their nodes.
 Nodes make_nodes(const Model& m, int degree) {
   Nodes n{degree, m.mesh, {}, {}, 0};
   for (Index& crack : n.mesh.crack)
@@ -493,6 +495,8 @@ class Bubbles {
   explicit Bubbles(const Model& m)
       : m_(m), degree_(m.element.trace + 1), at_carrier_(traces(even(degree_), fit_.carrier.s)) {}
 
+  /// On the edge l_a l_b = s (1 - s): v + s (1 - s) bubble is linear + s (1 - s) p, p of the fit. Elsewhere in the
+  /// triangle the product l_a l_b p((1 + l_b - l_a)/2) keeps the two other edges as they are.
   void add(const EdgeData& d, const Points& here, Conforming& result) const {
     if (d.bent) {
       add_bent(d, here, result);
@@ -672,6 +676,7 @@ class LaneAverages {
     return m_.inner->skeleton.frame[e].transpose() * here;
   }
 
+  /// In the order of the triangles, by one thread: the sum of a node takes its triangles in the same order each time.
   void average() {
     v_.resize(by_.count, 2);
     v_.clear();
@@ -684,6 +689,7 @@ class LaneAverages {
       }
   }
 
+  /// Supports alone, as there is no contact: duals have values of their own at the same corners.
   void correct_corners(int lane) {
     std::map<Index, std::vector<Held>> held;
     for (const EdgeData& d : data_[static_cast<std::size_t>(lane)])
@@ -699,6 +705,7 @@ class LaneAverages {
     }
   }
 
+  /// All duals have the same edges with data and hold the same components there, so that the first one tells where.
   void correct_edges() {
     const EdgeRule rule = even(by_.degree);
     const Fit fit;

@@ -45,6 +45,7 @@ std::string sampled_in_sums(const Model& m) {
 }
 
 /// The solution under the loads of m with faces that slide and neither open nor overlap.
+/// All rows in contact are held at [w]_n = 0, a tangent cone without one-sidedness: one linear solve.
 Field sliding(const Model& m) {
   const std::vector<bool> held(m.inner->ordering.contact_rows, true);
   return TangentSolver(m, held).solve(m.inner->system.tractions, m.inner->skeleton.prescribed);
@@ -170,6 +171,7 @@ struct ContactQuantityBounds::Impl {
     return search;
   }
 
+  /// Concavity needs an upper bound of J_tied; crossed works take the energy of the tied solution for a scale alone.
   Bounded bound(const Scene& w, const Known& known, const std::string& estimate) const {
     const std::string sums = sampled_in_sums(m), &coarse = estimate.empty() ? sums : estimate;
     const Model dual = with_loads(m, w);

@@ -46,6 +46,7 @@ double stiffness_product(const Material& m, const Eigen::Matrix3d& C, const Eige
 }
 
 /// Component k of the tractions of one on the values prescribed for the other.
+/// At the Gauss points of the trace, where the prescribed values are those of the skeleton.
 double work_of_support(const EdgeSide& of, const EdgeSide& on, int k) {
   const EdgeData& d = of.data;
   const EdgeRule& trace = of.m.inner->kernel.trace;
@@ -201,6 +202,7 @@ double best_step(double own, double other, double middle) {
 
 }  // namespace
 
+/// Both need finite bounds of their own: these stand for everything that must hold for either field to be admissible.
 CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w) {
   for (const AdmissiblePair* of : {&u, &w})
     if (!std::isfinite(of->bounds.upper - of->bounds.lower)) return {.note = of->bounds.note};
@@ -231,6 +233,7 @@ Products crossed_fields(const Material& material, double area, const TriangleRul
   return sum;
 }
 
+/// Loads on held components are part of both forms, as in the bounds of one state (triangle_bounds.cpp).
 Products crossed_on_edge(const EdgeSide& u, const EdgeSide& w) {
   static const EdgeRule carrier = gauss(data_carriers);
   const double l = length(u.m.mesh, u.data.edge);

@@ -298,6 +298,8 @@ double beyond_arcs(const Model& m, const Field& s) {
   return total;
 }
 
+/// G leaves the arc free and not its polynomial: what it works there on the state is of the size of the area between
+/// them.
 double beyond_crack(const Model& m, const Field& s, Index crack, const Nucleus& G) {
   double total = 0;
   for (const CrackEdge& c : m.mesh.cracks[crack])

@@ -50,6 +50,7 @@ Vec2 nothing(const Vec2&, const Vec2&) {
 
 }  // namespace
 
+/// The body, its laws and its supports, with no load and supports at 0.
 Scene at_rest(const Model& m) {
   Scene s;
   s.material = m.scene.material;
@@ -425,6 +426,8 @@ DualProblem reaction_dual(const Model& m, const std::vector<Index>& labels, int 
   return dual;
 }
 
+/// An edge that any of the duals loads has data in every state: shapes of the data must agree to be added up
+/// (cross_energy.cpp).
 Scene with_all_edges(const Model& m) {
   const Scene rest = unloaded(m);
   Scene s = m.scene;             // what is known of its data stays known
@@ -435,6 +438,8 @@ Scene with_all_edges(const Model& m) {
   return s;
 }
 
+/// The state's own tractions stay entries of their own, with what is known of them; values of supports and pressures
+/// are added up to functions of which nothing is known (sampled_in_sums in contact_quantity.cpp).
 Scene superposed(const Scene& u, const Scene& w, double k) {
   Scene s = u;
   s.body = sum(u.body, k, w.body);

@@ -141,6 +141,7 @@ class LaneBounding {
   }
 
  private:
+  /// Buffers of one thread: rows of `lanes` numbers, components one after the other.
   struct Room {
     std::vector<double> fields, stress, tensor, asymmetry, curl, wanted, correction, nodal, gradient, displacement, own;
     RingRows ring;
@@ -278,6 +279,8 @@ class LaneBounding {
     }
   }
 
+  /// From the monomials of the eigenstrain and the nodal values of the body force to modes of the ring; lanes that have
+  /// no load here stay 0.
   void gather_loads(Index t, unsigned mask, Room& room) const {
     const Modes& modes = *own_.ring;
     RingRows& to = room.ring;
@@ -639,6 +642,7 @@ class LaneBounding {
     }
   }
 
+  /// Pi is quadratic: the bilinear form has half of each load's work on the displacement of the other.
   Products crossed_beside_data(Index t, const Share& share, const RingLoads* ring, Index column) const {
     const Share& own = u_.shares[static_cast<std::size_t>(t)];
     const double size = area(triangle(u_.m, t));
@@ -693,6 +697,7 @@ class LaneBounding {
     for (int lane = 0; lane < lanes; ++lane) imbalance_[static_cast<std::size_t>(lane)] += total[lane];
   }
 
+  /// One field of the many, as imbalance_on wants it.
   EdgeWork work_at(Index e, const std::array<const double*, 2>& side, Index place, int lane) const {
     const Skeleton& skeleton = u_.m.inner->skeleton;
     const Index rows = skeleton.per_edge;

@@ -217,6 +217,8 @@ void add_strains(const Model& m, std::span<const LaneDual> duals, const LaneRing
 
 }  // namespace
 
+/// Triangles are independent once the multipliers are known. The rigid motion that is taken out before the elimination
+/// (strain_lanes) and put back after it keeps digits where a triangle moves far and strains little.
 bool solve_together(const Model& m, std::span<const LaneDual> duals, const LaneRings& rings, LaneStates& s) {
   const Kernel& kernel = m.inner->kernel;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());

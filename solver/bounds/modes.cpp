@@ -14,6 +14,7 @@ namespace kerf {
 namespace {
 
 /// Monomials about the middle, a row per point.
+/// About the centroid and scaled, monomials are far from dependent.
 Eigen::MatrixXd centred(int degree, const Points& l) {
   return monomials(degree, 2 * (l.array() - 1.0 / 3).matrix()).transpose();
 }

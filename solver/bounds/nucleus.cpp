@@ -167,6 +167,7 @@ Nucleus line_nucleus(const Material& m, const Vec2& from, const Vec2& to, PointS
           }};
 }
 
+/// The amplitude of mode II is -i times that of mode I.
 Nucleus tip_nucleus(const Material& m, const Vec2& tip, const Mat2& frame, double length, int mode) {
   const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
   const TipPotential potential{mode == 1 ? Complex(size) : Complex(0, -size), length};

@@ -95,6 +95,7 @@ Forces forces(const Model& m) {
 
 namespace {
 
+/// The worst resolution of all that acts on the edge: proved, sampled, open.
 void note_open(EdgeData& d, const EdgeValues& given) {
   if (given.how == Resolution::Open) d.how = Resolution::Open;
   if (given.how == Resolution::Sampled && d.how == Resolution::Proved) d.how = Resolution::Sampled;

@@ -71,6 +71,7 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
   return false;
 }
 
+/// Superposition asks for a linear problem: nothing one-sided, no friction.
 std::string no_quantity_because(const Model& m) {
   if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
@@ -125,6 +126,7 @@ struct QuantityBounds::Impl {
     return a->pair;
   }
 
+  /// The pair of u is made for the degree that cut-off duals need, or for the others: at most two of them.
   BoundedDual bound(const DualProblem& of) const {
     const bool cut_off = static_cast<bool>(of.loads.body);
     const AdmissiblePair& mine = admissible_state(cut_off);
@@ -136,6 +138,8 @@ struct QuantityBounds::Impl {
     return {interval(of, cross_energy(mine, admissible(dual, w, inside(cut_off)))), std::move(eta)};
   }
 
+  /// Guaranteed if the energies are, if the work of the data on G is enclosed, and if the loads of the dual are
+  /// resolved.
   static Bounded interval(const DualProblem& of, const CrossEnergy& cross) {
     if (!std::isfinite(cross.half)) return lost(cross.note);
     if (!std::isfinite(of.known.error)) return lost(not_integrated);
@@ -231,6 +235,8 @@ struct QuantityBounds::Impl {
     return all;
   }
 
+  /// If the solutions of a batch are not precise enough all of it is bounded one by one, and so is a single dual whose
+  /// balance is poor: what the batch saves is time, never precision.
   void bound_together(const std::vector<DualProblem>& duals, std::span<const Batched> batch, bool cut_off,
                       std::vector<BoundedDual>& all) const {
     const AdmissiblePair& mine = admissible_state(cut_off);
@@ -432,6 +438,7 @@ TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
   return {{}, plane_modulus(material), {dual(1), dual(2)}};
 }
 
+/// Squares of intervals may lose what K_I and K_II have in common; it is a bound either way.
 TipBounds tip_of(const TipDuals& of, std::span<const BoundedDual> bounded) {
   if (!of.why.empty()) return {lost(of.why), lost(of.why), lost(of.why)};
   TipBounds b;
@@ -485,6 +492,7 @@ QuantityIntervals intervals_in_contact(const ContactQuantityBounds& bounds, cons
 
 }  // namespace
 
+/// Callbacks keep references to places in `out`: every list has its final size before the first of them is made.
 QuantityIntervals QuantityBounds::all(const QuantityRequest& request) const {
   const std::string& why = impl_->why;
   if (impl_->contact) return intervals_in_contact(*impl_->contact, why, request);

@@ -140,6 +140,7 @@ Mat2 jacobian(const std::array<Vec2, 3>& x) {
   return j * reference_jacobian().inverse();
 }
 
+/// Functions that are polynomials on each third are integrated exactly, up to the degree of the rule.
 TriangleRule split_rule(int degree) {
   const TriangleRule rule = triangle_rule(degree);
   const Eigen::Index n = rule.w.size();
@@ -151,6 +152,9 @@ TriangleRule split_rule(int degree) {
   return split;
 }
 
+/// A polynomial of degree n on a third is known by dim(n) values: 3 dim(n) constraints for two components of inner
+/// functions. Where they map onto all of zero mean the system has a solution; of those the one of least gradient is
+/// independent of the basis.
 RightInverse right_inverse(int degree, const TriangleRule& split) {
   const int order = degree + 1;
   const Numbering functions = inner_functions(order);

@@ -64,6 +64,7 @@ class RingSampling {
     given_.resize(skeleton_count(m.element), moments_.cols());
   }
 
+  /// A field of which neither rule sees anything in this triangle has no load there.
   void operator()(Index column, Index t, std::vector<RingLoads>& to) {
     const Triangle shape = triangle(m_, t);
     sample(shape, kernel_.load, at_);
@@ -127,6 +128,8 @@ class RingSampling {
     return triangle_values(f, shape.x, kernel_.load, 0, kind == 0 ? "body force" : "eigenstrain");
   }
 
+  /// Moments of the force against displacements and of the eigenstrain against stresses, the right-hand side of the
+  /// elimination.
   void look(Index column, const Triangle& shape, std::size_t i, RingLoads& to) {
     const std::size_t field = fields_[i];
     const TriangleValues body = values(shape, field, 0), normal = values(shape, field, 1),
@@ -198,6 +201,8 @@ class RingSampling {
   bool open_ = false;
 };
 
+/// A body force that is seen by its means alone needs couples; `balanced` is false, as the element never sees all of
+/// it.
 RingLoads empty_loads(const Model& m, std::shared_ptr<const std::vector<Index>> triangles) {
   const Eigen::Index count = static_cast<Eigen::Index>(triangles->size());
   const Element& e = m.element;
@@ -273,6 +278,7 @@ struct EdgeBalance {
     const auto& [a, b] = m.mesh.edges[e];
     return m.mesh.points[a] + s * (m.mesh.points[b] - m.mesh.points[a]);
   }
+  /// Two Gauss points integrate products of two motions, which are linear along an edge.
   Eigen::VectorXd shares(const Eigen::VectorXd& net) const {
     const std::vector<RigidMotion>& motions = m.inner->floating;
     const EdgeRule rule = gauss(2);
@@ -310,6 +316,8 @@ struct EdgeBalance {
 
 }  // namespace
 
+/// The work of the loads on a rigid motion is known to vanish for the exact loads of G; what is left is the
+/// quadrature's.
 bool assemble_ring(LaneDual& dual) {
   const Model& m = *dual.model;
   const RingLoads& ring = *dual.ring;
@@ -343,6 +351,7 @@ bool assemble_ring(LaneDual& dual) {
   return true;
 }
 
+/// At most `lanes` duals, eight bits.
 LaneRings::LaneRings(std::span<const LaneDual> duals, Index triangles) {
   for (std::size_t i = 0; i < duals.size(); ++i) {
     if (!duals[i].ring) continue;

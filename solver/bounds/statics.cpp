@@ -113,6 +113,7 @@ Eigen::VectorXd load_of_couples(const Model& m, const Eigen::VectorXd& couple) {
 }
 
 // The interior fields once the skeleton moves.
+// The response of the fields inside to the multipliers alone: no load, since those are in the fields already.
 Eigen::MatrixXd moved_interior(const Model& m, const Field& s, const Eigen::VectorXd& moved) {
   Eigen::MatrixXd interior_fields = s.interior;
   parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {

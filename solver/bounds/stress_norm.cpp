@@ -18,6 +18,7 @@ namespace kerf {
 
 namespace {
 
+/// (B.26) is for isotropic materials, and C eps(v) does not exist at c = 0.
 std::string no_stress_norm_because(const Scene& scene) {
   const auto orthotropic = [](const Material& m) { return !isotropic(m); };
   if (orthotropic(scene.material) || std::ranges::any_of(scene.regions, orthotropic))
@@ -51,6 +52,7 @@ double work(const Material& material, const Mat2& s) {
 struct OnCurved {
   double integral, rules, apart;
 };
+/// `apart` enters with a minus sign and is taken small, by what the two rules leave open.
 OnCurved on_curved(const Material& material, const Share& share, const SquaredVonMises& square) {
   Vec2 sum = Vec2::Zero(), difference = Vec2::Zero();
   for (Eigen::Index q = 0; q < share.kept_weight.cols(); ++q) {

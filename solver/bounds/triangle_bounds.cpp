@@ -73,6 +73,7 @@ Points points_on_side(const EdgeRule& rule, int side, bool forward) {
   return l.bottomRows<2>();
 }
 
+/// Curved references exist only where the mesh has curved cells; both rules of a cell are those of its degree.
 References references(const Element& e, int inside, const Forces& f, bool curved) {
   References both{reference_of(e, inside, f), reference_of(e, std::max(inside, data_carriers), f)};
   for (TriangleReference* r : {&both.plain, &both.rich})
@@ -80,6 +81,7 @@ References references(const Element& e, int inside, const Forces& f, bool curved
   return both;
 }
 
+/// l_b - l_a and not l_b: symmetric in both ends, so that the bubble is the same polynomial seen from either.
 Bounding::Along Bounding::along(const EdgeData& d, const Vec2& l) const {
   const std::array<double, 3> full{1 - l.x() - l.y(), l.x(), l.y()};
   const bool forward = m.mesh.sides[d.edge][0] == d.triangle;
@@ -270,6 +272,7 @@ double Bounding::work_on_edge(Index i) const {
   return work;
 }
 
+/// On curved cells the body force is J f as a polynomial of the reference coordinates.
 Points Bounding::load_on(const CurvedReference& r, Index t) const {
   if (f.nodal.cols() == 0) return Points(2, 0);
   const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);

@@ -96,6 +96,7 @@ void add_ends(const Model& m, const Field& s, Index crack, std::vector<End>& end
   if (ends.size() > none_before) ends.back().run = std::min(ends.back().run, points.back().s - begin);
 }
 
+/// More ends than that are the noise of a mesh that does not resolve contact.
 std::vector<End> ends_of(const Model& m, const Field& s) {
   std::vector<End> ends;
   for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c)
@@ -222,6 +223,8 @@ class Grading {
     return rows;
   }
 
+  /// Where contact has more rows than a dense matrix may have, K is factorized for sets of closed points: a good guess
+  /// of the first set saves factorizations.
   Adapted on(Mesh mesh, const Sizing& sizing, double meshing) {
     Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
     Preparation preparation{.precision = how_.precision};
@@ -351,6 +354,8 @@ std::vector<Vec2> contact_ends(const Model& model, const Field& state) {
   return places_of_ends(ends_of(model, state));
 }
 
+/// Ends of contact are found on the mesh before it is divided, which has a fourth of the triangles per division or
+/// less.
 Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e, const Scene& scene,
                      const Adaptation& how) {
   Grading grading(shape, e, scene, how);
@@ -410,6 +415,7 @@ Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGue
 }
 
 /// Matrix and factor, most of the memory, are not needed to write a state down.
+/// The fields that stay are those that results, pictures and profiles of cracks read.
 void drop_factor(Model& m) {
   const Inner& inner = *m.inner;
   System system{.penalty = inner.system.penalty,

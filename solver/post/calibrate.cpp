@@ -31,6 +31,7 @@ double stiffest_over_mean(const Scene& scene) {
 
 }  // namespace
 
+/// Both sums run over the same triangles, those of which all three corners have a polynomial.
 Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta) {
   const Corners corners = split_for_stress(m.mesh);
   const RecoveredStress better = recover_stress(m, state, corners, singular_corners(m, state, corners), m.scene.body);

@@ -73,6 +73,8 @@ bool Chords::is_straight(const Vec2& a, const Vec2& b) const {
   });
 }
 
+/// Of several arcs the one that both ends lie nearest to. Points of the mesh lie off their arc by less than twice the
+/// height of the chord, since polygons with the area of the arcs move them.
 double Chords::curvature(const Vec2& a, const Vec2& b, double h) const {
   constexpr double widest = 2.7;  // radii: the side of the triangle that has the area of its circle
   double nearest = infinity, found = 0;

@@ -31,6 +31,7 @@ struct Walk {
   std::vector<Index> edges, vertices;
 };
 
+/// One vertex more than edges, both from the end that is asked for.
 Walk walk(const Mesh& mesh, Index crack, bool start) {
   Walk w;
   for (const CrackEdge& c : mesh.cracks[crack]) {
@@ -138,6 +139,7 @@ std::vector<Vec2> places(const Mesh& mesh, const Walk& w, int divisions) {
   return x;
 }
 
+/// The tangent at the tip is that of the curve, not of its last chord: K follows its direction to first order.
 CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int divisions) {
   CrackTip tip{.crack = crack, .at_start = start, .at = mesh.points[w.vertices.front()]};
   std::vector<Vec2> x = places(mesh, w, divisions);
@@ -172,6 +174,7 @@ double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) 
 
 }  // namespace
 
+/// The first vertex of a path has one crack edge if no other crack comes there; on the boundary it is a mouth.
 std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
   std::vector<bool> on_boundary(mesh.points.size(), false);
   std::vector<int> crack_edges(mesh.points.size(), 0);
@@ -223,6 +226,8 @@ CurvePoint curve_point(const CrackTip& tip, std::size_t edge, double t) {
   return {a + t * (b - a) + t * s * (s * p - t * q), (b - a) + s * (s - 2 * t) * p - t * (2 * s - t) * q};
 }
 
+/// The angle of x against the crack at the same distance, plus that of the crack itself: along a curved crack the upper
+/// face has an angle near pi and the lower one near -pi, wherever the crack has turned to.
 double angle_about(const CrackTip& tip, const Vec2& x) {
   if (!tip.curved) return std::atan2(x.y(), x.x());
   // The crack at the same distance, seen from the direction straight back.

@@ -30,6 +30,7 @@ Eigen::VectorXd corner_means(const Corners& c, const Eigen::VectorXd& of_triangl
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
+/// With corner_means one ring further each time.
 Eigen::VectorXd triangle_means(const Corners& c, const Eigen::VectorXd& of_corner) {
   Eigen::VectorXd mean(static_cast<Eigen::Index>(c.of.size()));
   for (std::size_t t = 0; t < c.of.size(); ++t)
@@ -70,6 +71,8 @@ std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::
   return size;
 }
 
+/// A corner has a point in each of the triangles that share it; one of them is taken, the last. Where the better mesh
+/// has no triangle at a point (beside a curved side that it draws otherwise) the nearest one is taken.
 Places places(const Mesh& mesh, const Corners& c, const Mesh& better) {
   constexpr double inwards = 0.02;  // so that it is clear on which side of a crack a point lies
   Places p;
@@ -117,6 +120,7 @@ const Element& better_element(const Element& e) {
   return element("bdms", e.order);
 }
 
+/// As many unknowns: edges of the better mesh are longer by the root of the ratio of unknowns per edge.
 double longer_edges(const Element& own) {
   // The unknowns of mixed elements are on edges, one and a half per triangle; others keep theirs elsewhere.
   if (!is_mixed(own) || per_edge(own) == 0) return 1;

@@ -127,6 +127,8 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   return result;
 }
 
+/// D tau of one triangle on its three edges; neighbours are compared point by point, since both use the edge's own
+/// direction.
 EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& rule) {
   const Triangle shape = triangle(m, t);
   Points x(2, 3 * edge_points);
@@ -208,6 +210,7 @@ struct EdgesWithData {
   std::vector<Index> place;
   std::vector<Prescribed> edges;
 };
+/// Several tractions on one edge add up; a support holds components of its own.
 EdgesWithData edges_with_data(const Model& m) {
   const SceneData& data = m.inner->data;
   EdgesWithData all{std::vector<Index>(m.mesh.edges.size(), none), {}};
@@ -255,6 +258,7 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
 struct Faces {
   bool touch = false, stick = false;
 };
+/// An edge touches if one of its Gauss points does, and sticks if one that touches is held.
 Faces faces_of_edge(const Model& m, const Field& s, Index e) {
   const Skeleton& skeleton = m.inner->skeleton;
   Faces f;

@@ -116,6 +116,7 @@ Eigen::Matrix4Xd eigenstrain_beyond_tip(const Model& model, const Disc& disc, In
   return eigenstrain_at(model, disc.eigenstrain, t, x).colwise() - disc.at_tip;
 }
 
+/// The rotation enters the gradient alone; the mean rotation of the disc is taken out of it, which changes no integral.
 Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation,
                    const Eigen::Vector4d& free = Eigen::Vector4d::Zero()) {
   // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
@@ -441,6 +442,7 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
 }
 
 /// The share of the pressure of contact on the first of them.
+/// The integrals are linear in the tractions: the difference of two of them is that of the pressure alone.
 Integrals work_of_pressure_at_tip(const Disc& disc, const Face& first) {
   Face free = first;
   for (CrackPoint& p : free.points) p.sigma_n = 0;
@@ -757,6 +759,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
 
 }  // namespace
 
+/// Tips come in the order of the cracks, so that the profile of a crack is made once for both of its ends.
 std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
   std::vector<TipIntensity> tips;
   const double stress = mean_stress(model, state);

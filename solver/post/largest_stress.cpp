@@ -53,6 +53,7 @@ std::vector<PointIn> points_near_largest(const Model& model, const Corners& corn
   return points;
 }
 
+/// From the stress of the element at the point, in the material of its triangle.
 Eigen::VectorXd von_mises_at(const Model& model, const Field& field, bool plane_strain,
                              std::span<const PointIn> points) {
   Eigen::VectorXd values(static_cast<Eigen::Index>(points.size()));

@@ -44,6 +44,7 @@ LocalState under_force(const Material& m, const Vec2& e, double r) {
 
 }  // namespace
 
+/// D is the divided difference of z^-1/2 between the roots, by a quotient that does not cancel when they are equal.
 std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& x, double angle) {
   const double r = x.norm(), size = 1 / std::sqrt(2 * pi * r);
   const Vec2 e(std::cos(angle), std::sin(angle));

@@ -102,6 +102,8 @@ struct Tables {
   static Vec2 coordinates(const Vec2& l) {
     return scale * (l - Vec2::Constant(1.0 / 3));
   }
+  /// Products of gradients by the rule of the element, exact for them; one table for each of the two rules that may
+  /// occur.
   explicit Tables(const TriangleRule& rule) {
     for (Matrix& s : stiffness) s.setZero();
     mean.setZero();
@@ -315,6 +317,7 @@ auto by_degree(const Model& model, const Visit& visit) {
 
 }  // namespace
 
+/// Order d1 u1, d2 u1, d1 u2, d2 u2; the rotation has the sign of (N.1), + in d2 u1.
 Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& s, double rotation) {
   const double trace = s[0] + s[3], pressure = m.c * trace;
   const double difference = 0.5 * (s[0] - s[3]) / (2 * m.mu);
@@ -385,6 +388,7 @@ std::vector<Material> corner_materials(const Model& model, const Corners& corner
   return materials;
 }
 
+/// Of several triangles at a corner the last one.
 Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners) {
   Eigen::MatrixXd strains = Eigen::MatrixXd::Zero(5, static_cast<Eigen::Index>(corners.vertex.size()));
   const StrainData& data = model.inner->data.strain;
@@ -398,6 +402,7 @@ Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners) 
   return strains;
 }
 
+/// The root of the mean of |s|^2 at centroids, over the triangles that the process owns.
 double mean_stress(const Model& model, const Field& state) {
   double square = 0;
   for (Index t = 0; t < own_triangles(model); ++t) {
@@ -460,6 +465,7 @@ void evaluate_traction(const Model& model, const Field& field, Index edge, int g
   p.sigma_t = -traction.dot(frame.col(1));
 }
 
+/// Neither pressure nor gap: biactive, where a small change of the load may open or close the point.
 CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smallest& least) {
   const bool gap = p.distance() > least.gap, pressure = p.contact_pressure() > least.pressure;
   if (law == CrackLaw::Kind::Bonded || pressure) return CrackPoint::Status::Closed;
@@ -479,6 +485,8 @@ double length_along(const Model& model, Index edge) {
   return sum;
 }
 
+/// Points run along the path of the crack, edges that lie against it are read backwards. `done` counts lengths along
+/// curves, so that s is the arc length.
 std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack) {
   const CrackLaw::Kind law = model.scene.laws[crack].kind;
   const bool mixed = is_mixed(model.element);

@@ -425,6 +425,7 @@ class FourFits {
   static auto by(const std::vector<Pack>& rows, int columns) {
     return [data = rows.data(), columns](int k, int i) { return data[k * columns + i]; };
   }
+  /// The packed factor is of no use where its pivots are small; this one drops degrees.
   void solve_alone(int lane, double* to) const {
     Fit<P> fit;
     const auto terms = static_cast<int>((*around_)[static_cast<std::size_t>(lane)].size()) * Samples::per_triangle;

@@ -82,6 +82,7 @@ void add_node(const Skeleton& s, const Eigen::VectorXd& force, Index unknown, co
     if (s.fixed[unknown + d]) r.add(at, force[unknown + d] * frame.col(d));
 }
 
+/// A node at a corner belongs to several edges and is counted for the first of them.
 void add_nodes(const Model& m, const Field& state, std::vector<LabelResultant>& all) {
   const Skeleton& s = m.inner->skeleton;
   const Eigen::VectorXd force = Holding(m, state).nodal_forces();
@@ -104,6 +105,7 @@ void add_nodes(const Model& m, const Field& state, std::vector<LabelResultant>& 
 
 }  // namespace
 
+/// Values are those at the Gauss points of the data; on a curved edge per length of its chord.
 std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bows, const Scene& scene,
                                                 const SceneData& data) {
   const EdgeRule rule = gauss(data_points);
@@ -133,6 +135,7 @@ Resultant body_resultant(const Mesh& mesh, const Bows& bows, const Scene& scene,
   return r;
 }
 
+/// Each edge counts once, to the first support that names it, and on the process that owns the triangle beside it.
 std::vector<LabelResultant> reactions(const Model& m, const Field& s) {
   std::vector<LabelResultant> all;
   if (!is_mixed(m.element)) {

@@ -20,6 +20,7 @@ struct Stretch {
   }
 };
 
+/// Lengths along the crack from the tip, the points' shares one after the other.
 std::vector<Stretch> from_tip(const CrackTip& tip, std::span<const CrackPoint> profile) {
   std::vector<Stretch> all;
   double s = 0;
@@ -36,6 +37,7 @@ struct Line {
   double a, b;
 };
 
+/// Normal equations of two unknowns; a single point gives its own value.
 Line line_through(std::span<const Stretch> points) {
   double one = 0, r = 0, rr = 0, p = 0, rp = 0;
   for (const Stretch& x : points) {

@@ -29,6 +29,7 @@ Index end_of(const Mesh& mesh, const CrackEdge& c) {
   return mesh.edges[c.edge][c.forward ? 1 : 0];
 }
 
+/// A vertex that two cracks name.
 void add_junctions(const Mesh& mesh, Vertices& vertices) {
   std::vector<Index> crack_at(mesh.points.size(), none);
   for (std::size_t number = 0; number < mesh.cracks.size(); ++number)
@@ -73,6 +74,7 @@ std::vector<Vec2> normals_of_rollers(const Mesh& mesh, const Scene& scene) {
   return normal;
 }
 
+/// The edges of a crack with a law that has a normal of its own are chords of a curve, and their turns are no kinks.
 void add_ends_and_kinks(const Mesh& mesh, const Scene& scene, Vertices& vertices) {
   const std::vector<Vec2> rollers = normals_of_rollers(mesh, scene);
   const auto is_mirrored = [&](Index v, Index next) {
@@ -95,6 +97,7 @@ void add_ends_and_kinks(const Mesh& mesh, const Scene& scene, Vertices& vertices
   }
 }
 
+/// Only where two edges of a border meet: where three regions meet nothing is said here.
 void add_corners_between_materials(const Mesh& mesh, Vertices& vertices) {
   if (mesh.region.empty()) return;
   constexpr double straight = -0.94;  // cosine of 160 degrees; polygonal arcs turn by less per vertex
@@ -157,6 +160,7 @@ bool is_singular(double angle, Held one, Held other) {
   return !(mirrors(one, other) || mirrors(other, one)) || angle > square;
 }
 
+/// Pairs of boundary edges at a vertex, in the order of their numbers; the angle is that of all triangles around it.
 void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
   const Mesh& mesh = model.mesh;
   std::vector<double> angle = angles(mesh);
