@@ -528,6 +528,8 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
     a.bounds = lost(infinity, too_little_on_arcs);
     return a;
   }
+  // With the couples the displacement fits the stress better, which pairs of states use; the bounds of one energy hold
+  // without that.
   Eigen::VectorXd moved;
   const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple, &moved);
   // The displacement follows the couples, too, which the element does not see of the body force. Their response is of
@@ -587,6 +589,7 @@ EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, con
   a.sum.above += a.beyond_arcs;
   EnergySums own = own_sums(a, s);
   own.on_arcs = here[1] > 0;
+  // What is a sum over triangles or edges is added over processes; measures of rounding take the largest.
   std::array<double*, 11> added{&own.sum.lower,
                                 &own.sum.upper,
                                 &own.sum.size,

@@ -240,6 +240,7 @@ Points averages(const Model& m, const Field& s, const Nodes& nodes, Eigen::Matri
 }
 
 // Mean over an edge of the multiplier on one of its sides, in the frame of the edge.
+// The multiplier of the right side of a crack is that of the left plus the jump.
 Vec2 mean_trace(const Model& m, const Field& s, Index e, int side) {
   Vec2 mean = Vec2::Zero();
   for (Eigen::Index g = 0; g < m.inner->kernel.trace.w.size(); ++g)
@@ -262,6 +263,7 @@ Vec2 mean_in_frame(const Model& m, const Field& s, Index e) {
   return skeleton.frame[e].transpose() * mean;
 }
 
+/// At least 0: the mean over the edge of what the discrete solution opens.
 double mean_opening(const Model& m, const Field& s, Index e) {
   return std::max(0.0, mean_trace(m, s, e, 1).x() - mean_trace(m, s, e, 0).x());
 }
@@ -636,6 +638,7 @@ namespace {
 using Row = Eigen::Array<double, 1, lanes>;
 
 // The conforming displacements of fields side by side, step by step as of one.
+// A row of `lanes` numbers per node and component; edges are walked once for all of them.
 class LaneAverages {
  public:
   LaneAverages(const Averaging& by, const Model& m, const LaneStates& states,

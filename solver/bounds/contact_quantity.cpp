@@ -106,6 +106,7 @@ struct ContactQuantityBounds::Impl {
   mutable std::optional<Model> free;  // the body with free faces
 
   /// J(-k) and J(k); `w`: the loads l.
+  /// Two solves with the factor of the body, one for each sign.
   LoadSteps steps(const Scene& w, double k, Search& search) const {
     std::array<EnergyBounds, 2> of;
     std::array<FaceFields, 2> faces;

@@ -141,6 +141,8 @@ CurvedReference curved_reference(int n, int k) {
 
 // s = S D'/J + curl beta with beta = D B/J, div B = J times the asymmetry: curl of what vanishes on the edges has
 // neither divergence nor normal trace there.
+// By both rules at once; `rest`: the stress is also asked for as J p on the triangle of the chords, where the rest of
+// the eigenstrain is orthogonal to polynomials.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
                               const Eigen::Matrix4Xd& stress, const CurvedStrain& free, Share& share, bool keep,
                               bool rest) {
@@ -282,6 +284,7 @@ void along_arc(const Model& m, const Field& s, Index e, const Visit& visit) {
   }
 }
 
+/// |A s| is at most |s| (1/(2 mu) + 2 c), as |tr s| <= sqrt(2) |s|.
 double strain_size(const Material& m, const Mat2& stress) {
   return stress.norm() * (1 / (2 * m.mu) + 2 * m.c);
 }

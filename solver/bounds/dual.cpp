@@ -96,6 +96,7 @@ double clear_of_arcs(const Model& m, const Vec2& x) {
 }
 
 /// Of a place, which is a line at most, to the segment from a to b.
+/// 0 where they cross, else the least distance of an end of one from the other.
 double gap(const StressPlace& place, const Vec2& a, const Vec2& b) {
   if (crossing(place.from, place.to, a, b)) return 0;
   return std::min({distance(place.from, a, b), distance(place.to, a, b), distance(a, place.from, place.to),
@@ -363,6 +364,7 @@ bool listed(const std::vector<Index>& labels, Index label) {
 }
 
 /// The displacements d.v = value of a vertex that supports prescribe.
+/// square = sum d d', right = sum value d: the least squares problem of all directions that are held at a vertex.
 struct Prescribed {
   Mat2 square = Mat2::Zero();
   Vec2 right = Vec2::Zero();

@@ -164,6 +164,7 @@ class LaneBounding {
     for (int lane = 0; lane < states_.count; ++lane) {
       Products p;
       const std::vector<EdgeData>& data = data_[static_cast<std::size_t>(lane)];
+      // Works on the edges of the data are few: one by one, after the triangles, in the order of the data.
       for (std::size_t i = 0; i < data.size(); ++i)
         p.add(crossed_on_edge(
             {u_.m, u_.data[i], u_.conforming.value[i], u_.shares[data[i].triangle].tractions},
@@ -203,6 +204,7 @@ class LaneBounding {
   }
 
   /// Component k, x or y, of the conforming displacements at the nodes of a triangle.
+  /// The values lie side by side per node; here components come first, as the matrices of the modes want them.
   void gather(Index t, double* nodal) const {
     const int n = by_.per_triangle;
     for (int i = 0; i < n; ++i) {
@@ -571,6 +573,8 @@ class LaneBounding {
   }
 
   /// What the rest of the eigenstrain may move the bounds by.
+  /// force bounds |(f, w)| over w in H^1_0(T) by |grad w|: h/pi |f| by Poincare, and what the polynomial of f leaves
+  /// out.
   void put_ring(const Cell& cell, const Way& way, const RingSums& of, Sums& sums) {
     const Eigen::Index moved = dim(by_.degree);
     Row pull = Row::Zero();
@@ -758,6 +762,7 @@ Forces of_degree(int degree) {
 
 }  // namespace
 
+/// Triangles with data on their edges have no modes: their products are taken at the points of the rich rule.
 LaneOwn::LaneOwn(const AdmissiblePair& pair, bool cut_off)
     : u(pair),
       averages(averaging(pair.m)),
@@ -798,6 +803,7 @@ LaneOwn::LaneOwn(const AdmissiblePair& pair, bool cut_off)
   });
 }
 
+/// One pass makes all sums; each dual then has its own oscillation and its own best step k.
 std::vector<std::optional<CrossEnergy>> cross_energies(const LaneOwn& own, std::span<const LaneDual> duals,
                                                        const LaneRings& rings, LaneRoom& room) {
   const LaneBounding bounding(own, duals, rings, room);

@@ -63,6 +63,7 @@ bool solve_rows(const Model& m, const Eigen::MatrixXd& F, Eigen::MatrixXd& x) {
 }
 
 /// Per unknown of the skeleton, prescribed ones included.
+/// A prescribed value belongs to its dual; rows of the system are shared.
 void spread(const Model& m, std::span<const LaneDual> duals, const Eigen::MatrixXd& x, LaneArray& skeleton) {
   const Index total = m.inner->skeleton.total;
   skeleton.resize(total, 1);

@@ -84,6 +84,7 @@ Amplitudes amplitudes(const Material& m, PointStress part) {
 
 }  // namespace
 
+/// phi = c/z and psi = d/z in the formulas above; the stress falls like 1/r^2, the displacement like 1/r.
 Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
   const double mu = m.mu, k = kappa(m);
   const auto [c, d] = amplitudes(m, part);
@@ -109,6 +110,7 @@ Complex inverse(const Complex& z) {
 
 }  // namespace
 
+/// As point_nucleus, with the powers of 1/z computed once: a ring of triangles asks for all three at every point.
 Nuclei point_nuclei(const Material& m, const Vec2& x) {
   const double mu = m.mu, k = kappa(m);
   std::array<Amplitudes, 3> all;

@@ -148,6 +148,7 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
 
 }  // namespace
 
+/// Frames of such an edge differ from point to point (Skeleton::bent_at).
 bool rolls_along_curve(const Model& m, Index edge) {
   const Skeleton& s = m.inner->skeleton;
   return m.mesh.label[edge] != none && s.bent_at[edge] != none && bow_at(s.bows, edge);

@@ -87,6 +87,7 @@ std::string no_quantity_because(const Model& m) {
 namespace {
 
 /// A state with the loads of duals beside its own, and its admissible fields.
+/// The model has data on every edge that a dual may load (with_all_edges), which changes nothing of the state.
 struct LoadedState {
   Model m;
   AdmissiblePair pair;
@@ -454,6 +455,7 @@ TipBounds tip_of(const TipDuals& of, std::span<const BoundedDual> bounded) {
 }
 
 /// Duals of several quantities in one list, and what is made of the intervals of each.
+/// The order of the duals is that of the requests, so that batches are the same for the same requests.
 class Collection {
  public:
   /// `take`: from the intervals of these.

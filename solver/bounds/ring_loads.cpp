@@ -44,6 +44,7 @@ void put(const NucleusValue& G, const Vec2& slope, Eigen::Index q, RingValues& t
   to.of[2](0, q) = -0.5 * (slope.x() * G.displacement.y() + slope.y() * G.displacement.x());
 }
 
+/// All that does not depend on the triangle is made once per block: projections onto polynomials, and the buffers.
 class RingSampling {
  public:
   RingSampling(const Model& m, const CutOffRing& ring, std::span<const std::size_t> fields)

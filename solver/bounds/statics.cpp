@@ -2,7 +2,7 @@
 // equilibrium", points 1 and 4. Two changes of the loads on the skeleton, one solve with the factor of the open cracks:
 // 1. unilateral cracks: the Bernstein coefficients p_b of the pressure on every edge are made at least 0, so that p >=
 // 0 all along it. With moments M against the Bernstein polynomials, force = M' p_b and moments = M jump, they are the
-// unknowns of the same complementarity problem [theory: C.6]: S = M^-T S M^-1;
+// unknowns of the same complementarity problem [theory: C.6]: S becomes M^-T S M^-1;
 // 2. couples: antisymmetric(c_T) on a triangle has no divergence, and its tractions on the edges are balanced by the
 // solve. The result is in equilibrium with the loads that the element sees; solver/bounds/triangle_bounds.cpp adds the
 // rest.

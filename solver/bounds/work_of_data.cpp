@@ -127,6 +127,7 @@ struct Along {
 };
 
 /// All values of the cosine between two angles that are half a turn apart at most.
+/// The extremes within are those at whole multiples of pi; `margin` covers the rounding of cos and of the angles.
 Interval cosines(double from, double to) {
   constexpr double margin = 1e-14;
   Interval c{std::min(std::cos(from), std::cos(to)) - margin, std::max(std::cos(from), std::cos(to)) + margin};

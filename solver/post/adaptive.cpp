@@ -295,6 +295,7 @@ std::string unseen_by_estimate(const Model& m) {
 namespace {
 
 /// What the estimate sees of data at points only, added to a claim.
+/// Said beside "reached": data that are functions of a library are known at points alone.
 std::string as_sampled(const Model& m) {
   for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
     if (!u.stops_bounds) return fmt::format(", as sampled: {} {}", u.what, u.how);

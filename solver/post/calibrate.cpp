@@ -16,6 +16,7 @@ namespace kerf {
 namespace {
 
 /// Integrals over a triangle.
+/// Per triangle, to be added up in their order.
 struct Share {
   double square = 0;  // of s* - s
   double stress = 0;  // of s, squared

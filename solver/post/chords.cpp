@@ -52,6 +52,7 @@ double twice_height(double h, double curvature) {
 
 }  // namespace
 
+/// Straight sides are kept, too: an edge on one of them may lie near an arc that it is tangent to.
 Chords::Chords(const Shape& shape) : arcs_(arcs_of(shape)) {
   const auto add = [&](const Loop& loop) {
     for (std::size_t i = 0; i < loop.sides.size(); ++i)

@@ -119,6 +119,7 @@ bool follow_arcs(const Mesh& mesh, std::span<const Index> edges) {
 }
 
 /// Cut where the curve has turned too far or comes back, so that it is a graph over the distance from the tip.
+/// At least one edge stays.
 void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
   constexpr double most_turn = 0.5;
   std::size_t last = 1;
@@ -197,6 +198,7 @@ std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
   return inside;
 }
 
+/// Edges that end the material are listed once for all tips; each tip leaves out those of its own smooth part.
 std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
   std::vector<Index> ends;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)

@@ -19,6 +19,7 @@ namespace {
 constexpr double own = 1.5, of_neighbors = 1.3;
 
 /// Means over the triangles at each corner of a quantity per triangle.
+/// Corners, not vertices: values on the two faces of a crack do not mix.
 Eigen::VectorXd corner_means(const Corners& c, const Eigen::VectorXd& of_triangle) {
   const Eigen::Index corners = static_cast<Eigen::Index>(c.vertex.size());
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(corners), count = Eigen::VectorXd::Zero(corners);
@@ -93,6 +94,7 @@ Places places(const Mesh& mesh, const Corners& c, const Mesh& better) {
   return p;
 }
 
+/// `values` and `better`: corners first, then centroids, as Places has them.
 ErrorBars error_bars(const Corners& c, const Eigen::VectorXd& values, const Eigen::VectorXd& better) {
   const auto corners = static_cast<Eigen::Index>(c.vertex.size()), triangles = static_cast<Eigen::Index>(c.of.size());
   const Eigen::VectorXd difference = (values - better).cwiseAbs(), root = difference.cwiseSqrt();

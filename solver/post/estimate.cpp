@@ -56,6 +56,7 @@ Derivatives derivatives(const TriangleRule& rule, int degree) {
 }
 
 // The body force at the points of Kernel::rule: of what the rules do not resolve, its polynomial.
+// Where the rules do not resolve the force its own values at points would say nothing of the integral.
 Points force_on(const Model& m, Index t, const Points& x) {
   Points force = Points::Zero(2, x.cols());
   if (!m.scene.body) return force;
@@ -240,6 +241,7 @@ EdgesWithData edges_with_data(const Model& m) {
 
 // d/dtau of the discrete jump of a crack edge in its frame: where a part of it is open, D tau jumps by as much. Of a
 // curved edge per length of its chord, and not in a frame, which turns.
+// Of the trace functions of the multiplier, which are polynomials.
 Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
   constexpr double step = 1e-4;  // central differences: exact to 1e-8 for the cubic functions of a trace
   const Eigen::VectorXd slope =
@@ -282,6 +284,7 @@ struct EdgeResiduals {
   const EdgesWithData& data;
 
   // Across edge i of triangle t to `other`, at the Gauss point g; on a crack in its frame.
+  // D includes the eigenstrain: a jump of it between regions is no residual where the elastic strain makes up for it.
   Vec2 across(Index t, int i, Index other, int g) const {
     const Index e = m.mesh.edges_of[t][i];
     int j = 0;
@@ -297,6 +300,7 @@ struct EdgeResiduals {
   }
 
   // On the boundary, in the edge's frame.
+  // Where no data are prescribed the tangential derivative is free.
   Vec2 on_boundary(Index t, int i, int g) const {
     const Index e = m.mesh.edges_of[t][i];
     if (data.place[e] == none) return Vec2::Zero();

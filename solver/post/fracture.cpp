@@ -64,6 +64,7 @@ double cut_off_slope(const Ring& ring, double r) {
   return -30 * t * t * (1 - t) * (1 - t) / (ring.outer - ring.inner);
 }
 
+/// Each ring is 0.6 of its outer radius wide.
 std::array<Ring, rings> place_rings(double radius) {
   std::array<Ring, rings> ring;
   for (int k = 0; k < rings; ++k) {
@@ -100,6 +101,8 @@ std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2&
 using Integrals = Eigen::Matrix<double, auxiliary + 1, rings>;
 using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in the columns
 
+/// All fields are compared in the frame of the tip. An eigenstrain that is constant in the disc strains it without
+/// stress and is taken out of the gradients: its value at the tip.
 struct Disc {
   CrackTip tip;
   Material material;  // as seen in the frame of the tip; no ring reaches another one
@@ -288,6 +291,7 @@ double fluid_pressure(const Face& face, double t) {
 }
 
 /// Of a point of a curved edge, in its parameter away from the tip.
+/// Point k from the tip is Gauss point n - 1 - k of an edge that runs towards the tip.
 double trace_place(const Model& model, bool along_edge, int point) {
   const Eigen::VectorXd& s = model.inner->kernel.trace.s;
   return along_edge ? s[point] : 1 - s[s.size() - 1 - point];
@@ -502,6 +506,7 @@ Integrals work_of_fluid_rest(const Disc& disc, const CrackLaw& law, std::span<co
 /// The same for J on straight faces, int q s_12 d[u_1] and, of a fluid, int q s_22 d[u_2], as a sum over the points of
 /// the profile: exact for a uniform friction and pressure. Where faces were apart before, contact follows their gap and
 /// does work, too.
+/// By the trapezoidal rule from point to point, tractions with q; the jump is 0 at the tip.
 Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
   using Pair = Eigen::Matrix<double, 2, rings>;
   const bool apart = std::ranges::any_of(faces, [](const Face& f) {
@@ -529,6 +534,7 @@ Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
 }
 
 /// The fields beside a chord, turned into the direction of the curve.
+/// Both tensors are turned as the direction of the chord turns into that of the curve at the same place.
 Auxiliary along_curve(const Auxiliary& f, const Vec2& chord, const Spot& p) {
   const Vec2 along = -chord.normalized();
   const double c = along.dot(p.t), s = cross(along, p.t);
@@ -636,6 +642,7 @@ double slope_of_closed_tip(const Material& m) {
 }
 
 /// What the integrals say, per ring.
+/// A column per ring; K_I and K_II are the rows of K.
 struct Factors {
   Eigen::Matrix<double, 2, rings> K;
   Row T, G;
@@ -672,6 +679,7 @@ Factors factors(const Disc& disc, const Integrals& all, const Integrals& pressed
 
 /// What the pressure of contact on the edge at a tip whose faces are apart does to K_I: where on the edge it ends is
 /// not known, so that all of it may be false.
+/// A pressure p on the length l at the tip has K_I = -2 p sqrt(2 l/pi).
 double unresolved_contact(const CrackTip& tip, const Face& first) {
   double largest = 0;
   for (const CrackPoint& p : first.points) largest = std::max(largest, -p.sigma_n);
@@ -779,6 +787,7 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
   return tips;
 }
 
+/// What a process cannot see of the whole: the tip, the material there, and the pressure in the crack near it.
 struct SharedTips::Tip {
   CrackTip tip;
   Material material;
@@ -836,6 +845,8 @@ Eigen::Vector4d eigenstrain_at_tip(const Model& part, const CrackTip& tip, const
 
 }  // namespace
 
+/// From the coarse mesh as if it were divided: the curve of the crack and the room of its tips are those of the fine
+/// mesh.
 SharedTips::SharedTips(const Mesh& mesh, const Scene& scene, int divisions) {
   for (CrackTip& tip : find_tips(mesh, divisions)) {
     Material material = material_at(mesh, scene, tip);

@@ -15,6 +15,7 @@ namespace kerf {
 namespace {
 
 /// The component 33 of the eigenstrain.
+/// In plane strain it adds to s33, which the von Mises stress sees.
 double eigenstrain_33(const Model& model, const PointIn& p) {
   const StrainData& strain = model.inner->data.strain;
   if (strain.empty()) return 0;

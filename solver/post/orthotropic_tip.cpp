@@ -34,6 +34,7 @@ LocalState state_from_stress(const Material& m, const Eigen::Vector3d& s, double
 }
 
 /// The stress s_rr = e . L^-1 e_1/(-2 pi r S(angle)), S the compliance along the ray e: every ray is free.
+/// The displacement goes like -a ln r: its derivative across the ray gives the rotation [theory: O.11].
 LocalState under_force(const Material& m, const Vec2& e, double r) {
   const Vec2 a = -surface(m).inverse_L.col(0) / (2 * pi), across(-e.y(), e.x());
   const Mat2 ray = e * e.transpose(), own = strain(m, ray);
@@ -62,6 +63,7 @@ std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& 
           state_from_stress(m, s_II, turn * (at_first * G + at_second * H).real()), under_force(m, e, r)};
 }
 
+/// The opening (L^-1 K)_2 is not below `least`; where it would be, K_I follows from it and from K_II.
 Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, double least) {
   const Mat2 inverse_L = surface(m).inverse_L;
   const Vec2 K = inverse_L.inverse() * Vec2(integrals[1], integrals[0]);  // K_II, K_I

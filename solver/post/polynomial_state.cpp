@@ -26,6 +26,7 @@ namespace {
 using StateValues = Eigen::Vector4d;
 
 /// s11 + s22 = 4 Re phi', s22 - s11 + 2i s12 = 2 (conj(z) phi'' + psi'), rotation = -(kappa + 1)/(2 mu) Im phi'.
+/// `turning` is conj(z) phi'' + psi'.
 StateValues of_potentials(const Material& m, std::complex<double> phi, std::complex<double> turning) {
   const double trace = 4 * phi.real(), kappa_plus_1 = 2 + 8 * m.mu * m.c;
   return {trace / 2 - turning.real(), trace / 2 + turning.real(), turning.imag(), -kappa_plus_1 * phi.imag()};
@@ -33,6 +34,7 @@ StateValues of_potentials(const Material& m, std::complex<double> phi, std::comp
 
 /// F'' = Re sum f_k(x + p_k y) with f_k' = A z^n for the first root and with the divided difference of both, B (z_1^n,
 /// - z_2^n)/(p_1 - p_2), which stays for equal roots [theory: O.13].
+/// Columns 4 n to 4 n + 3: real and imaginary part of A, then of B, of degree n.
 Eigen::Matrix4Xd orthotropic_basis(const Material& m, int degree, const Vec2& x) {
   Eigen::Matrix4Xd values(4, 4 * (degree + 1));
   using Complex = std::complex<double>;
@@ -74,6 +76,7 @@ Eigen::Matrix4Xd basis(const Material& m, int degree, std::complex<double> z) {
 }
 
 /// s11 = -f1 x, s22 = -f2 y: in balance with f, and compatible because it is linear.
+/// The rotation of an orthotropic material stands below (O.13) in docs/theory/orthotropic.md.
 StateValues of_force(const Material& m, const Vec2& f, const Vec2& x) {
   if (!isotropic(m)) {
     const PlaneCompliances b = compliances(m);
@@ -101,6 +104,7 @@ LocalState PolynomialState::at(const Vec2& x) const {
   return state_from_values(material, b.leftCols(coefficients.size()) * coefficients + of_force(material, force, x));
 }
 
+/// s_xx - s_yy = -2 Re psi' at 0, and column 2 is Re b_0.
 double PolynomialState::t_stress() const {
   if (!isotropic(material)) {
     const Mat2 s = at(Vec2::Zero()).stress;

@@ -157,6 +157,8 @@ struct StraightProjection {
 };
 
 template <int D>
+/// load_k = sum_q w_q grad v_k . D with D = A s + Gamma(omega) + eigenstrain; the stiffness is factorized once per
+/// triangle for both components.
 Points recovered_straight(const Model& model, const Triangle& shape, const Eigen::Ref<const Eigen::VectorXd>& interior,
                           Index t, const Points& x, double eigenstrain) {
   const StraightProjection<D> p(model.inner->kernel, shape);
@@ -207,6 +209,8 @@ Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& in
 }
 
 template <int D>
+/// As for one field, with the inverse of the stiffness: it is applied to sixteen right-hand sides. Isotropic materials
+/// alone, gradients without eigenstrain, which the caller adds to the stress.
 void recovered_side_by_side(const Model& model, Index t, const double* fields, const Points& x, double* u) {
   using Row = Eigen::Array<double, 1, lanes>;
   using ByLane = Eigen::Matrix<double, Projection<D>::n, 2 * lanes, Eigen::RowMajor>;
@@ -252,6 +256,8 @@ Eigen::Vector4d by_stress(const Material& m, const Eigen::Vector4d& d) {
 
 // The transpose, step by step backwards.
 template <int D>
+/// u(x) = mean + c' (v(x) - mean v), c = K^-1 load(D): the weights of u give those of c and of the mean, these those of
+/// D, and D is linear in the stress and the rotation.
 Eigen::VectorXd weigh_straight(const Model& model, const Triangle& shape, Index t, const Points& x,
                                const Points& weights) {
   const StraightProjection<D> p(model.inner->kernel, shape);
@@ -302,6 +308,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
 
 /// visit<D>(), D the degree of u*.
 template <class Visit>
+/// One degree more than the stresses without bubbles, 2 to 5.
 auto by_degree(const Model& model, const Visit& visit) {
   switch (model.element.stress) {
     case 1:
@@ -435,6 +442,7 @@ Smallest smallest(const Model& model, const Field& field, Index crack, double cr
 }
 
 // The jumps and the forces of contact at the Gauss points of mixed elements.
+// Forces of contact are per edge and Gauss point: over the length of the point's share they are tractions.
 void read_jump(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
   const Index unknown = model.inner->skeleton.jump[edge] + 2 * g;
   p.jump_n = field.skeleton[unknown];
@@ -456,6 +464,7 @@ void evaluate_jump(const Model& model, const Field& field, Index edge, CrackPoin
 }
 
 // What a bonded crack transmits: the stress on its left.
+// The stress at the point in the triangle on the left; tension is positive, shear as in CrackPoint.
 void evaluate_traction(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
   const Index left = model.mesh.sides[edge][0];
   const Eigen::Vector4d v = stress_at(model.inner->kernel, triangle(model, left), field.interior.col(left), p.at);

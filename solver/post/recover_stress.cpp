@@ -244,6 +244,7 @@ struct PatchSize {
 
 // Rings of triangles around one corner after the other. Neighbors across a singular corner do not count: it sees both
 // faces of a crack.
+// `seen_` and `passed_` hold the number of the corner that was served last: nothing is cleared between corners.
 class Patch {
  public:
   Patch(const Corners& c, const Lists& places, const std::vector<bool>& singular)
@@ -339,6 +340,8 @@ class FourFits {
   FourFits(const Samples& samples, const std::vector<Vec2>& points) : samples_(samples), points_(points) {}
 
   /// `around`: the triangles around each corner, which are at points[vertex].
+  /// Monomials in (x - corner)/reach, reach the farthest centroid of the patch: they stay of the order 1, and
+  /// `least_pivot` means the same for every patch. The Cholesky factor has 1/sqrt(pivot) on its diagonal.
   void set(const std::array<std::vector<Index>, pack_size>& around, const std::array<Index, pack_size>& vertex) {
     around_ = &around;
     std::size_t triangles = 0;
@@ -457,6 +460,7 @@ Eigen::Vector3d value(const RecoveredStress& r, Index corner, const Vec2& from_c
          monomial<P>(d.x(), d.y());
 }
 
+/// One corner without a polynomial is enough: its share of the blend would be missing.
 bool is_kept(const RecoveredStress& r, const Corners& c, Index t) {
   return r.kept[c.of[t][0]] || r.kept[c.of[t][1]] || r.kept[c.of[t][2]];
 }
@@ -494,6 +498,8 @@ std::vector<bool> wanted_corners(const Corners& c, const std::vector<bool>& want
 }
 
 template <int P, class Samples>
+/// Corners are served in their order in blocks of threads, four at a time; what a corner gets does not depend on its
+/// pack, so that bits do not depend on the number of threads.
 std::vector<RecoveredStress> fitted(std::span<const FieldToRecover> fields, const Corners& c,
                                     const std::vector<bool>& singular, const std::vector<bool>& wanted,
                                     const PatchSize& size) {
@@ -598,6 +604,7 @@ std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
 
 }  // namespace
 
+/// At a tip and at a reentrant corner by the angle, at ends of contact by the forces.
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c) {
   const std::vector<bool> changes = contact_changes(model, state);
   const std::vector<double> angle = corner_angles(model.mesh, c);

@@ -31,6 +31,7 @@ class Holding {
       : m_(m), s_(s), loads_(traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data)) {}
 
   // Mixed: moments of the normal stress with the trace functions, as forces at the Gauss points.
+  // Moments with the trace functions, one per Gauss point, on a curved edge with the normal times |dx/ds|.
   void add_mixed(Index e, Resultant& r) const {
     const Kernel& k = m_.inner->kernel;
     const Skeleton& skeleton = m_.inner->skeleton;
@@ -57,6 +58,7 @@ class Holding {
   }
 
   // Displacement elements: forces on all unknowns, from every triangle.
+  // What the triangles pull at a node, less its loads: at a free node it is 0 up to the residual of the solution.
   Eigen::VectorXd nodal_forces() const {
     Eigen::VectorXd force = -loads_;
     for (Index t = 0; t < static_cast<Index>(m_.mesh.triangles.size()); ++t) {

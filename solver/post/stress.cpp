@@ -44,6 +44,7 @@ void add_junctions(const Mesh& mesh, Vertices& vertices) {
 constexpr double kink = 0.05;  // radians
 
 /// Whether the supports hold a side along its normal `n` alone.
+/// Along the normal of the side itself: of one that is not parallel to an axis by a support in the normal frame alone.
 bool on_rollers(const Scene& scene, Index label, const Vec2& n) {
   bool held = false;
   for (const Support& support : scene.supports) {
@@ -137,6 +138,7 @@ Held held(const Scene& scene, Index label, const Vec2& n) {
 }
 
 /// By how much an edge turns the angle of the body at its end `v`, where its arc leaves the chord.
+/// Angles of triangles are those between chords; the body's own angle is that between tangents.
 double turned_by_arc(const Mesh& mesh, Index e, Index v) {
   if (mesh.arc.empty() || mesh.arc[e] == none) return 0;
   const bool starts = mesh.edges[e][0] == v;
