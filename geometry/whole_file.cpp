@@ -72,6 +72,7 @@ Opened new_at(const Opened& folder, const fs::path& name) {
   return Opened(file);
 }
 
+/// A pipe or a full disk may take less than was given; 0 bytes without an error would never end.
 int write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t done = write(file, bytes.data(), bytes.size());

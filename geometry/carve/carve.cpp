@@ -67,6 +67,8 @@ struct Obstacles {
   std::map<Index, Index> at_mouth;  // cut edge -> the group of the crack that is cut there
 };
 
+/// A crack that is cut at the zero line is met there and nowhere else: the group tells the line's point that may touch
+/// it.
 void add_cracks(const std::vector<CrackPart>& parts, Obstacles& obstacles) {
   for (const CrackPart& part : parts) {
     for (const Index e : {part.from.edge, part.to.edge})
@@ -133,6 +135,7 @@ Chain chain_of(const Cut& cut, const Contour& contour, const std::vector<Run>& r
   return chain;
 }
 
+/// Obstacles of all contours are known before clearances are measured.
 Lines lines_of(const Cut& cut) {
   Lines lines;
   Obstacles obstacles;
@@ -159,6 +162,8 @@ struct Style {
   bool arcs;    // curved sides stay curved where the zero line cuts them
 };
 
+/// Where the strand is cut its arc is cut at the angle of the crossing; at its corners it keeps its own ends to the
+/// bit.
 Side along_strand(const Cut& cut, const Contour& contour, const Run& run) {
   const Mesh& mesh = cut.block.mesh;
   const Drawing& drawing = cut.block.rim.drawing;
@@ -235,6 +240,8 @@ std::string unused(const std::string& wanted, const char* separator, std::set<st
   return name;
 }
 
+/// The outline is the contour of largest area; a hole that the zero line has changed keeps its name if it is the first
+/// to ask.
 void add_loops(const Cut& cut, const Lines& lines, const Simplifying& how, const Style& style, Shape& shape) {
   const Shape& frame = cut.block.frame;
   std::size_t outer = 0;
@@ -363,6 +370,7 @@ Cut cut_out(const Block& block, const Eigen::VectorXd& phi, std::vector<std::str
   return {block, std::move(signs), std::move(loops), std::move(parts)};
 }
 
+/// The five styles in this order; the problem told is that of the smoothest one.
 Attempt attempt(const Block& block, const Eigen::VectorXd& phi) {
   const Carving& how = block.how;
   Attempt result;

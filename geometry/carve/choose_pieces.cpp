@@ -39,6 +39,8 @@ std::string names(const Shape& frame, const std::vector<Index>& labels) {
   return list;
 }
 
+/// A hole is a connected set of vertices outside; the area is that of the parts of triangles outside, each counted
+/// once.
 void fill_holes(const Block& block, Signs& signs, std::vector<std::string>& notes) {
   const auto& [frame, mesh, rim, how] = block;
   if (!(how.least_area > 0)) return;
@@ -132,6 +134,7 @@ struct Lumps {
   std::vector<Index> of;  // per vertex, none in the void
 };
 
+/// Every triangle with material belongs to one lump, as its inside vertices are joined by its edges.
 Lumps find_lumps(const Block& block, const Signs& signs) {
   const Mesh& mesh = block.mesh;
   Sets sets(mesh.points.size());

@@ -7,6 +7,7 @@
 
 namespace kerf {
 
+/// Links are taken once each, so that every loop is found once; a triangle has one link at most.
 std::vector<Contour> contours(const Mesh& mesh, const Signs& signs, const Rim& rim) {
   // Nodes: crossed edges, then vertices on the boundary.
   const std::size_t edges = mesh.edges.size();

@@ -53,6 +53,7 @@ std::string text(const Vec2& x) {
   return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
 }
 
+/// A reversed loop of the frame has its strands in the opposite order, hence `side`.
 Rim find_rim(const Shape& frame, const Mesh& mesh) {
   Rim rim;
   rim.drawing = draw(Shape{frame.outline, frame.holes, {}, frame.labels, {}});

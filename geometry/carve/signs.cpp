@@ -35,6 +35,7 @@ double crossing(const Mesh& mesh, const Signs& signs, Index edge) {
   return std::clamp(exact_crossing(mesh, signs, edge), low, 1 - high);
 }
 
+/// The corner that is alone cuts off a triangle whose area is in proportion to both shares of its edges.
 double inside_area(const Mesh& mesh, const Signs& signs, Index triangle) {
   const auto& v = mesh.triangles[std::size_t(triangle)];
   int count = 0;

@@ -26,6 +26,7 @@ Vec2 right(const Vec2& d) {
 
 }  // namespace
 
+/// Between fixed points steps are even; a loose closed chain has at least twenty.
 Chain sample(const Chain& chain, double spacing) {
   const double step = spacing / fineness;
   const std::size_t n = chain.points.size();
@@ -192,6 +193,8 @@ double length(const Chain& chain) {
 
 }  // namespace
 
+/// Between fixed points by themselves, so that a fixed point never moves; the area is restored for the chain as a
+/// whole.
 Chain simplify(const Chain& chain, const Chain& given, const std::vector<Clearance>& given_clearance,
                const Simplifying& how) {
   Chain fine = given;

@@ -103,6 +103,7 @@ std::size_t segment_count(const ArcChain& chain) {
   return chain.knots.size() - (chain.closed ? 0 : 1);
 }
 
+/// curvature = 2 sin(half)/chord; the tangent is that of the chord, turned by half (2 part - 1).
 ChainPoint point_on(const ArcChain& chain, const ChainPlace& place) {
   const std::array<double, 6> value = numbers(chain, place.arc / 2);
   std::array<Dual, 6> variable;
@@ -191,6 +192,7 @@ double largest_turn(const ArcChain& chain) {
   return most;
 }
 
+/// An arc that is nearly straight is drawn as its chord: its circle would have no digits left.
 std::vector<Side> sides(const ArcChain& chain, Index label) {
   std::vector<Side> all;
   for (std::size_t k = 0; k < 2 * segment_count(chain); ++k) {

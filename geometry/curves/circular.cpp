@@ -18,6 +18,7 @@ bool is_circle(const Arc& arc) {
 }
 
 /// The chain of an ellipse or of a part of it.
+/// Knots may come as near to each other as an eighth of the smallest radius of curvature.
 std::vector<Side> as_chain(const Side& side, double tolerance, bool whole) {
   const Arc& arc = *side.arc;
   const int n = 16 + int(128 * std::abs(arc.to - arc.from) / (2 * pi));

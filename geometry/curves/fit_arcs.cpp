@@ -86,6 +86,7 @@ struct Fit {
     return std::min(k, segment_count(chain) - 1);
   }
 
+  /// The nearest place among three segments around the sample's own: along the line it cannot be far from it.
   void measure() {
     off.resize(Eigen::Index(samples.size()));
     place.resize(samples.size());
@@ -139,6 +140,7 @@ struct Fit {
     }
   }
 
+  /// In the frames of the knots before the step.
   ArcChain moved(const VectorXd& step) const {
     ArcChain next = chain;
     for (std::size_t k = 0; k < next.knots.size(); ++k) {
@@ -292,6 +294,7 @@ bool halve(Fit& fit, const ArcFit& how) {
 
 }  // namespace
 
+/// Every round of halving has more knots, at least .3 of the least spacing apart, so that the loop ends.
 Fitted fit_arcs(const ChainTrace& trace, const ArcFit& how) {
   if (trace.points.size() < (trace.closed ? 3u : 2u)) throw std::invalid_argument("too few points for a chain of arcs");
   const Line line = line_of(trace);

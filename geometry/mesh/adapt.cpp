@@ -89,6 +89,7 @@ std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const doub
   return size;
 }
 
+/// Ties go to the edge of the lower number, so that equal triangles are turned alike on every machine.
 Mesh longest_edges_first(Mesh mesh, bool mirrored_tips) {
   const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

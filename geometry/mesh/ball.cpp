@@ -116,6 +116,7 @@ Index edge_between(const Mesh& mesh, Index a, Index b) {
   return Index(std::lower_bound(mesh.edges.begin(), mesh.edges.end(), edge) - mesh.edges.begin());
 }
 
+/// Marked edges keep the order of the rings; areas are those of the polygons.
 BallMesh finish(Triangles&& all, const std::vector<Ring>& contours, std::vector<Marked> marked) {
   const Ring& boundary = contours.front();
   for (std::size_t i = 0; i < boundary.vertex.size(); ++i) marked.push_back({boundary[i], boundary[i + 1], 0, none});
@@ -280,6 +281,8 @@ Loop ball_hole(std::string name, const Ball& ball, Index label) {
   return loop;
 }
 
+/// `along`: the factor step/sin(step) gives the n-gon the area of its ellipse. `lag` turns the contour by whole
+/// vertices, so that one lies on the long axis and rings need not twist by more than half a step.
 BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect, double angle, bool curved) {
   check_ball(ball);
   require(std::isfinite(aspect) && aspect >= 1 && std::isfinite(angle),
@@ -305,6 +308,9 @@ BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double as
   return curved ? ball_mesh(ball, radii, aspect, angle) : shells(ovals, boundary);
 }
 
+/// x = a + b, y = a - b with a = l/2 e^xi and b = l/2 e^-xi are the semi-axes of the ellipse at xi; b fades by 1 -
+/// way^4, so that the last ring is a circle. At xi = 0 both sides fall on the slit, whose inner vertices the two sides
+/// share.
 BallMesh slit_mesh(const Ball& ball, double half_length, double angle) {
   check_ball(ball);
   const auto& [center, radius, n] = ball;

@@ -80,6 +80,7 @@ void grow(Locator& locator, const std::vector<Box>& boxes, Index first, Index co
 
 }  // namespace
 
+/// Boxes are those of the triangles of the chords; arcs are seen to when a triangle is found.
 Locator make_locator(const Mesh& mesh) {
   Locator locator;
   if (mesh.triangles.empty()) return locator;

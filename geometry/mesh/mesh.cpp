@@ -38,6 +38,7 @@ struct Half {
   std::int8_t side;
 };
 
+/// A clockwise triangle would turn every normal of its edges.
 void check_triangle(const std::vector<Vec2>& points, const std::array<Index, 3>& v, std::size_t number) {
   for (const Index i : v)
     if (i < 0 || std::size_t(i) >= points.size())
@@ -173,6 +174,7 @@ Vec2 centroid(const Mesh& mesh, Index triangle) {
   return (mesh.points[std::size_t(v[0])] + mesh.points[std::size_t(v[1])] + mesh.points[std::size_t(v[2])]) / 3;
 }
 
+/// Of the smallest angle its tangent: one arctangent for the whole mesh.
 Quality quality(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
   double shortest = infinity, longest = 0;
@@ -250,6 +252,7 @@ Corners split_at(const Mesh& mesh, const std::vector<bool>& cut) {
   return corners;
 }
 
+/// A flood over triangles, in the order of their numbers: piece 0 holds triangle 0.
 std::vector<Index> pieces(const Mesh& mesh, const std::vector<bool>& cut) {
   std::vector<Index> piece(mesh.triangles.size(), none);
   std::vector<Index> stack;
@@ -307,6 +310,7 @@ Vec2 middle_of(const Mesh& mesh, Index edge) {
   return (mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2;
 }
 
+/// Halved time after time, as refine does: places in one step would round otherwise.
 std::vector<Vec2> divided_edge(const Mesh& mesh, Index edge, int divisions) {
   const auto [a, b] = mesh.edges[std::size_t(edge)];
   const Arc* arc = mesh.arc.empty() || mesh.arc[std::size_t(edge)] == none
@@ -385,6 +389,8 @@ Mesh halved(const Mesh& mesh, const std::vector<Index>& middle, std::vector<Vec2
   return fine;
 }
 
+/// Children of triangle t are 4 t to 4 t + 3, three at its corners and one in the middle; edge e has the middle
+/// vertices + e.
 Mesh refine(const Mesh& mesh) {
   const Index vertices = Index(mesh.points.size());
   std::vector<Vec2> points = mesh.points;

@@ -77,6 +77,7 @@ struct Walk {
 
 }  // namespace
 
+/// A vertex with exactly one crack edge and no side is a tip.
 MirrorImages mirror_at_tips(const Mesh& mesh) {
   Walk walk{mesh,
             {std::vector<Index>(mesh.triangles.size(), none), std::vector<Index>(mesh.edges.size(), none)},

@@ -140,6 +140,7 @@ std::vector<std::vector<Index>> contours_in(const std::map<Ends, Index>& edge_of
 
 }  // namespace
 
+/// A crack that the part does not touch keeps its number and has no edges.
 Part part(const Mesh& whole, const std::vector<bool>& use) {
   Part p;
   std::vector<bool> seen_vertex(whole.points.size(), false), seen_edge(whole.edges.size(), false);
@@ -180,6 +181,7 @@ Mesh part_without_cracks(Mesh whole, const std::vector<bool>& use) {
   return part(whole, use).mesh;
 }
 
+/// The ball's own label on its boundary is lost with the hole's; its slit becomes a crack behind those of the body.
 Filled fill(const Mesh& outside, const std::vector<BallMesh>& balls) {
   Filler filler{outside};
   Filled filled;

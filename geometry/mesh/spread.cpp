@@ -100,6 +100,7 @@ std::vector<std::vector<double>> starts_along(const Mesh& whole, const Part& cut
 
 }  // namespace
 
+/// What another process has of this one is found by the same rule on the coarse mesh, without asking it.
 MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int count, Index here, int times) {
   if (process.size() != coarse.triangles.size()) throw std::invalid_argument("mesh_part: a process per triangle");
   const std::vector<bool> use = triangles_of(coarse, process, here, rings_around(times));

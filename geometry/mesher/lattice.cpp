@@ -93,6 +93,7 @@ struct Filler {
     return true;
   }
 
+  /// Half-open ranges of rows and columns: a point on the border of two squares belongs to one of them.
   void fill(const LatticeSquare& square, const Bounds& h, const std::vector<Index>& near, const Witness& witness) {
     const auto& [low, width] = square;
     for (int k = level(h.high); k <= level(h.low); ++k) {

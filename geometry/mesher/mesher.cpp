@@ -320,6 +320,7 @@ struct Followed {
   Arc arc;
 };
 
+/// Arcs run from the smaller vertex of their edge to the larger one.
 void follow(Mesh& mesh, const std::vector<Followed>& followed) {
   if (followed.empty()) return;
   std::map<std::pair<Index, Index>, const Followed*> between;
@@ -348,6 +349,8 @@ struct Rough {
   std::vector<Followed> followed;
 };
 
+/// Only faces of the domain count; points get their numbers in the order in which triangles name them. Along a piece
+/// that the refinement has split, places on the arc are in proportion to the places on the chord.
 Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
               double min_angle_deg, bool curved) {
   Triangulation triangulation;
@@ -447,6 +450,7 @@ bool place_on_arcs(Rough& rough) {
   return true;
 }
 
+/// The box is that of the evenly split outline, arcs included.
 SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& sizing, const Background* background) {
   Vec2 low = drawing.corners.front(), high = low;
   const Pieces outline = split_evenly(drawing);
@@ -604,6 +608,7 @@ Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& f
   }
 }
 
+/// Unusable shapes are refused first: CGAL would end in an assertion or never.
 Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
   check_stop();
   if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);

@@ -168,6 +168,7 @@ void add_background(SizeField& field, const Background& background, double least
   field.locator = make_locator(mesh);
 }
 
+/// Only edges that the rest would have shorter need room: for the others the field is right as it is.
 void add_kept(SizeField& field, const Drawing& drawing) {
   std::vector<Source> kept;
   for (const Strand& strand : drawing.strands) {
@@ -198,6 +199,7 @@ double steepest(const SizeField& field, const Vec2& x, double distance) {
   return beside_kept(field, x, distance) ? std::max(field.grading, steepness) : field.grading;
 }
 
+/// Down the quadtree by doubling the coordinates within the square: no square's box is stored.
 double size_at(const SizeField& field, const Vec2& x) {
   const SizeField::Node* node = field.nodes.data();
   Vec2 local = (x - field.low) / field.width;

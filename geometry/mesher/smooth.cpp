@@ -69,6 +69,8 @@ struct Mosaic {
   }
 };
 
+/// A vertex on anything that stays has no triangle in `around`, and does not move; an edge that stays has none in
+/// `across`.
 Mosaic mosaic(const Mesh& mesh, double min_angle_deg) {
   const double tangent = std::tan(min_angle_deg * pi / 180);
   Mosaic m{mesh.points, mesh.triangles, {}, {}, {}, tangent * tangent};
@@ -182,6 +184,7 @@ void flip(Mosaic& m, Index t, Index i) {
 
 }  // namespace
 
+/// Vertices in their order, then edges, so that the result depends on the mesh alone.
 Smoothed smooth(const Mesh& mesh, double min_angle_deg, int sweeps) {
   Mosaic m = mosaic(mesh, min_angle_deg);
   std::vector<Index> star;

@@ -77,6 +77,7 @@ struct AtCorners {
   std::vector<double> shortest;         // chord of the sides there
 };
 
+/// `smooth`: exactly two strands, both of interfaces, leave the corner in opposite directions up to 5 degrees.
 AtCorners look_at_corners(const Drawing& drawing) {
   const std::size_t n = drawing.corners.size();
   AtCorners corners{std::vector<bool>(n, false), std::vector<bool>(n, false), std::vector<bool>(n, false),
@@ -197,6 +198,7 @@ struct Finder {
     }
   }
 
+  /// At a corner of a region the stress is singular, but weaker than at a reentrant corner of the body.
   void ask_at_regions() {
     std::vector<Index> arriving(drawing.corners.size(), none);
     for (std::size_t i = 0; i < drawing.strands.size(); ++i)

@@ -64,6 +64,7 @@ std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const S
 /// the same on both sides. Elsewhere, as where contact ends, a ligament is filled as any narrow gap.
 using Stretches = std::vector<std::vector<double>>;
 
+/// At least four pieces: shorter ligaments are meshed like gaps. The other side gets the points straight across.
 std::vector<Stretches> stretches_of(const Drawing& drawing, const SizeField& field) {
   std::vector<Stretches> all(drawing.strands.size());
   if (!field.long_ligaments) return all;
@@ -194,6 +195,7 @@ void keep_area(const Drawing& drawing, Pieces& all) {
 
 }  // namespace
 
+/// Corners stay where they are, but for the seam of a whole circle, which is a point like the others.
 Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, bool curved) {
   Pieces all{drawing.corners, {}};
   std::vector<bool> mouth(drawing.corners.size(), false);

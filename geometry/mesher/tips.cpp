@@ -51,6 +51,7 @@ Vec2 beside_crack(const Drawing& drawing, const TipEnd& tip, const Vec2& x) {
 
 }  // namespace
 
+/// A corner with one strand. Arcs whose circle is further away than the room so far are not looked at.
 std::vector<TipEnd> free_ends(const Drawing& drawing) {
   std::vector<int> degree(drawing.corners.size(), 0);
   for (const Strand& s : drawing.strands) {
@@ -171,6 +172,7 @@ Patch put(const Patch& patch, const Drawing& drawing, const PatchPlace& place) {
   return there;
 }
 
+/// The crack ends on point 0 of the patch; an arc ends at the angle of that point, a turn of at most half away.
 Drawing without(Drawing drawing, const std::vector<Patch>& patches, Index first_loop) {
   for (const Patch& patch : patches) {
     const Index first = Index(drawing.corners.size()), loop = first_loop++;

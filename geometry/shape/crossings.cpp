@@ -69,6 +69,7 @@ bool of_one(const Strand& s, const Strand& t) {
   return s.loop == t.loop && s.crack == t.crack && s.region == t.region;
 }
 
+/// The later strand comes second: a crack is told about the loop that it meets, a region about anything.
 std::string words(const Shape& shape, const Strand& s, const Strand& t, const Meeting& m, double extent) {
   const std::string at = "at " + place(m.at, extent);
   const char* verb = m.how == How::Crosses ? "crosses" : m.how == How::Touches ? "touches" : "overlaps";
@@ -141,6 +142,7 @@ struct Tolerance {
   double gap, near;
 };
 
+/// The chord with the larger sagitta is halved; which of its ends is shared goes with the halves.
 Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Shared& shared,
                 const Tolerance& tolerance) {
   const auto& [gap, near] = tolerance;

@@ -191,6 +191,7 @@ double length(const Drawing& drawing, const Strand& strand) {
   return (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
 }
 
+/// Ends of all cracks come first, as they cut sides: strands of cracks are added once those of loops are final.
 Drawing draw(const Shape& shape) {
   Drawing drawing;
   drawing.extent = extent(shape);

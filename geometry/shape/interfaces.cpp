@@ -70,6 +70,7 @@ class Sharing {
     for (std::size_t v = 0; v < instead_.size(); ++v) instead_[v] = Index(v);
   }
 
+  /// Corners first: cuts are counted in the strands between them.
   void share() {
     merge_corners();
     std::vector<std::vector<InterfaceCut>> cuts(drawing_.strands.size());
@@ -368,6 +369,8 @@ Drawing shared_regions(const Shape& shape, Nesting* nesting = nullptr) {
 
 }  // namespace
 
+/// Points of the crack first, which is cheap and settles most; then the lengths of the sides that it is made of must
+/// add up to its own.
 std::vector<bool> along_regions(const Shape& shape) {
   std::vector<bool> along(shape.cracks.size(), false);
   if (shape.regions.empty() || shape.cracks.empty()) return along;
@@ -408,6 +411,7 @@ std::vector<bool> along_regions(const Shape& shape) {
   return along;
 }
 
+/// Strands of cracks come before those of regions (Drawing::strands).
 void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along) {
   Sharing(drawing).share();
   unite(drawing, nest(drawing, shape));

@@ -167,6 +167,8 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
   return found;
 }
 
+/// A crossing near a corner that both strands have already is that corner: ends that were moved onto a strand cross it
+/// again by rounding.
 void cut_at_crossings(Joiner& j) {
   each_pair(j, [&](std::size_t k, std::size_t l) {
     for (const Crossing& c : crossings(j.drawing, j.strand(k), j.strand(l))) {

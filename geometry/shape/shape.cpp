@@ -64,6 +64,7 @@ double area(const Shape& shape) {
   return sum;
 }
 
+/// Counter-clockwise whatever the loop's own direction, labels going with their pieces.
 Polygon flatten(const Loop& loop, double chord, double longest) {
   if (!(chord > 0) || !(longest > 0))
     throw Error(Fault::Geometry,
