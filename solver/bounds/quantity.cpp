@@ -494,7 +494,7 @@ QuantityIntervals intervals_in_contact(const ContactQuantityBounds& bounds, cons
 
 }  // namespace
 
-/// Callbacks keep references to places in `out`: every list has its final size before the first of them is made.
+/// Callbacks keep references to places in `out`: each list has its final size before the first one into it is made.
 QuantityIntervals QuantityBounds::all(const QuantityRequest& request) const {
   const std::string& why = impl_->why;
   if (impl_->contact) return intervals_in_contact(*impl_->contact, why, request);

@@ -133,7 +133,7 @@ std::array<Eigen::MatrixXd, 2> differentiation(int n, const Points& at) {
   return {solve(values, slope[0]).transpose(), solve(values, slope[1]).transpose()};
 }
 
-/// dx/dX = (dx/dl) (dX/dl)^-1, the same for every triangle of one shape up to rotation and size.
+/// dx/dX = (dx/dl) (dX/dl)^-1.
 Mat2 jacobian(const std::array<Vec2, 3>& x) {
   Mat2 j;
   j << x[1] - x[0], x[2] - x[0];

@@ -1,5 +1,5 @@
 // Error bars of a quantity T at corners and centroids from a better solution T_b, one order more with as many unknowns,
-//   half width = max(1.5 |T - T_b|, 1.3 mean |T - T_b| over two rings of triangles)      [theory: R.9].
+//   half width = max(1.5 |T - T_b|, 1.3 times its typical size in two rings of triangles)      [theory: R.9].
 // If the better error is at most a third of the error e, then |T - T_b| >= 2/3 e. The second term is for points where
 // the difference changes sign. Also here: the sizes of the better mesh and the places where both are compared. Nothing
 // is guaranteed: the factors are measured. See "Error bars" in docs/theory/recovery_and_estimates.md.

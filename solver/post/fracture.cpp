@@ -696,7 +696,7 @@ TipIntensity unknown(const CrackTip& tip) {
 
 /// In the order of the method: rings that fit beside everything else, the rigid rotation and the polynomial state, what
 /// acts on the faces, the integrals, and K, T, G, J with their spreads. `safe`: rings end before the next boundary.
-/// With fewer than 1.5 elements across the disc there are no values.
+/// With fewer than 1.5 elements between the tip and the outer circle there are no values.
 TipIntensity intensity(const Model& model, const Field& state, const Beside& crack, const Sums& sums = {}) {
   const CrackTip& tip = crack.tip;
   const std::span<const CrackPoint> profile = crack.profile;
