@@ -3,8 +3,8 @@
 // angle between two sides that are free, held or on rollers is singular follows from the exponents of its
 // eigenfunctions [Williams 1952]: a free or a clamped corner above pi; free beside clamped counts at any angle; a
 // roller continues the body as its mirror image, which doubles the angle. Where a crack meets rollers squarely its
-// mirror image goes on behind them, and its end is no tip. sigma_vM^2 = 3 (d^2 + s12^2) + m^2 with d = (s11 - s22)/2
-// and, for t = (s11 + s22)/2, m = t in plane stress and (1 - 2 nu) t + E e33 in plane strain.
+// mirror image goes on behind them, and its end is no tip. With d = (s11 - s22)/2 and t = (s11 + s22)/2
+//   sigma_vM^2 = 3 (d^2 + s12^2) + m^2,   m = t in plane stress and (1 - 2 nu) t + E e33 in plane strain.
 
 #include "solver/stress.hpp"
 
