@@ -163,6 +163,7 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int 
 }
 
 /// `ends`: the edges of the boundary, of all cracks, and between materials.
+/// Not beyond the end of the smooth part: what follows is a kink, whose field is not that of the tip.
 double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) {
   std::vector<Index> own = tip.edges;
   std::sort(own.begin(), own.end());

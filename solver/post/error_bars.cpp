@@ -117,6 +117,7 @@ double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, 
   return std::max(own * std::abs(difference), of_neighbors * root * root);
 }
 
+/// The element of degree k has the order k + 1, one more than e.
 const Element& better_element(const Element& e) {
   require(e, can_be_bettered);
   return element("bdms", e.order);

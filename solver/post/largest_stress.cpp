@@ -68,6 +68,7 @@ Eigen::VectorXd von_mises_at(const Model& model, const Field& field, bool plane_
   return values;
 }
 
+/// Both at the same points: the mean square sees a maximum that has moved, the difference of the two largest does not.
 double difference_of(const Eigen::VectorXd& own, const Eigen::VectorXd& better) {
   if (own.size() == 0) return nan;
   return std::max(std::abs(own.maxCoeff() - better.maxCoeff()),

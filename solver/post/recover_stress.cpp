@@ -454,6 +454,7 @@ class FourFits {
 };
 
 template <int P>
+/// The sum of coefficients times the monomials in (x - corner)/reach.
 Eigen::Vector3d value(const RecoveredStress& r, Index corner, const Vec2& from_corner) {
   const Vec2 d = from_corner / r.reach[corner];
   return Eigen::Map<const Eigen::Matrix<double, 3, dim(P)>>(r.coefficients.col(corner).data()) *
