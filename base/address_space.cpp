@@ -1,3 +1,5 @@
+// Whether memory can be reserved: by reserving and giving back an anonymous mapping.
+
 #include "base/address_space.hpp"
 
 #include <sys/mman.h>

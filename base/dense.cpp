@@ -1,3 +1,11 @@
+// Dense linear algebra as thin functions over Eigen, compiled here once (see the header for what each one computes and
+// throws).
+// Which function an expression goes to decides which of Eigen's kernels runs, and with it the last bits of every
+// result. multiply(a, b, c) is (a b) c; solve_from_right takes b a^-1 = (a^-1 b')' of a symmetric a; thin_qr multiplies
+// the reflections by the first columns of the identity. The decompositions: LL' (no pivots, definite), LDL' (diagonal
+// pivots), LU with row pivots, QR with and without column pivots, complete orthogonal for least norm, and symmetric
+// eigenvalue problems.
+
 #include "base/dense.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -127,6 +135,7 @@ MatrixXd solve_upper_transposed(const ConstMatrix& r, const ConstMatrix& b) {
   return r.triangularView<Eigen::Upper>().transpose().solve(b);
 }
 
+/// The last columns of the square Q are orthogonal to those of a, which must be independent: there are no pivots.
 MatrixXd orthogonal_complement(const ConstMatrix& a) {
   const MatrixXd q = Eigen::HouseholderQR<MatrixXd>(a).householderQ();
   return q.rightCols(a.rows() - a.cols());
@@ -145,6 +154,7 @@ VectorXd solve_least_squares(const ConstMatrix& a, const ConstVector& b) {
   return solve(pivoted_qr(a), b);
 }
 
+/// The threshold must be set before the decomposition, which counts the rank.
 MatrixXd solve_least_norm(const ConstMatrix& a, const ConstMatrix& b, double threshold) {
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
   if (threshold >= 0) decomposition.setThreshold(threshold);

@@ -1,3 +1,5 @@
+// The request to stop, which a signal handler may set and long loops look at.
+
 #include "kerf/stop.hpp"
 
 #include <atomic>

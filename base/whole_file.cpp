@@ -1,3 +1,9 @@
+// Files that appear complete or not at all: written under "<name>.part", flushed if asked, and renamed over the old
+// file, which POSIX does in one step. Names are walked folder by folder with openat and O_NOFOLLOW, so that a link that
+// somebody puts on the way is an error (ENOTDIR) and never followed; O_EXCL makes the new file one that nobody else has
+// open. With Flush::Disk the folder is flushed, too: without that a rename may be lost in a power cut. Functions return
+// 0 or errno; on an error the part is removed and the old file stays.
+
 #include "base/whole_file.hpp"
 
 #include <fcntl.h>
@@ -15,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// An open file or folder; below 0 -errno.
+/// A descriptor or, below 0, -errno of the call that failed; release hands it on.
 class Opened {
  public:
   explicit Opened(int number) : number_(number < 0 ? -errno : number) {}
@@ -65,6 +72,7 @@ Opened new_at(const Opened& folder, const fs::path& name) {
   return Opened(file);
 }
 
+/// A pipe or a full disk may take less than was given; 0 bytes without an error would never end.
 int write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t done = write(file, bytes.data(), bytes.size());

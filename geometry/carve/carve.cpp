@@ -1,4 +1,11 @@
 // The negative set, step by step: signs, pieces, contours, sides; then less smoothing until the shape can be meshed.
+// 1. signs of phi at the vertices; thin necks, slits and near misses are cleaned away by turning signs (clean.cpp);
+// 2. one connected body with its loads and supports, small holes filled (choose_pieces.cpp);
+// 3. closed contours of the zero line and the frame, cracks cut to what is inside (contours.cpp, cut_cracks.cpp);
+// 4. zero lines as few, smooth sides within the tolerance, without a change of area (simplify.cpp).
+// If the shape cannot be meshed, step 4 is repeated with less smoothing, with polygons for cut arcs, and without
+// smoothing; then phi is shifted by up to .75 of the tolerance times its mean slope, both ways. Notes say what was
+// done. "Drawn designs" in docs/theory/level_set.md says how designs are used further.
 
 #include "geometry/carve.hpp"
 
@@ -60,6 +67,8 @@ struct Obstacles {
   std::map<Index, Index> at_mouth;  // cut edge -> the group of the crack that is cut there
 };
 
+/// A crack that is cut at the zero line is met there and nowhere else: the group tells the line's point that may touch
+/// it.
 void add_cracks(const std::vector<CrackPart>& parts, Obstacles& obstacles) {
   for (const CrackPart& part : parts) {
     for (const Index e : {part.from.edge, part.to.edge})
@@ -126,6 +135,7 @@ Chain chain_of(const Cut& cut, const Contour& contour, const std::vector<Run>& r
   return chain;
 }
 
+/// Obstacles of all contours are known before clearances are measured.
 Lines lines_of(const Cut& cut) {
   Lines lines;
   Obstacles obstacles;
@@ -152,6 +162,8 @@ struct Style {
   bool arcs;    // curved sides stay curved where the zero line cuts them
 };
 
+/// Where the strand is cut its arc is cut at the angle of the crossing; at its corners it keeps its own ends to the
+/// bit.
 Side along_strand(const Cut& cut, const Contour& contour, const Run& run) {
   const Mesh& mesh = cut.block.mesh;
   const Drawing& drawing = cut.block.rim.drawing;
@@ -228,6 +240,8 @@ std::string unused(const std::string& wanted, const char* separator, std::set<st
   return name;
 }
 
+/// The outline is the contour of largest area; a hole that the zero line has changed keeps its name if it is the first
+/// to ask.
 void add_loops(const Cut& cut, const Lines& lines, const Simplifying& how, const Style& style, Shape& shape) {
   const Shape& frame = cut.block.frame;
   std::size_t outer = 0;
@@ -277,6 +291,7 @@ Shape assemble(const Cut& cut, const Lines& lines, const Simplifying& how, const
 }
 
 /// What keeping crossings clear of vertices took from the area, per length of the zero line.
+/// Crossings that keep clear of vertices enclose less or more than the exact ones; simplify gives it back.
 double offset(const Cut& cut) {
   const Mesh& mesh = cut.block.mesh;
   Signs exact = cut.signs;
@@ -355,6 +370,7 @@ Cut cut_out(const Block& block, const Eigen::VectorXd& phi, std::vector<std::str
   return {block, std::move(signs), std::move(loops), std::move(parts)};
 }
 
+/// The five styles in this order; the problem told is that of the smoothest one.
 Attempt attempt(const Block& block, const Eigen::VectorXd& phi) {
   const Carving& how = block.how;
   Attempt result;
@@ -386,6 +402,7 @@ Attempt attempt(const Block& block, const Eigen::VectorXd& phi) {
 }
 
 /// How much phi changes over a length along its zero line, in the mean.
+/// Sum of |jump of phi| over the sum of lengths, on crossed edges.
 double slope(const Mesh& mesh, const Eigen::VectorXd& phi) {
   double sum = 0, length = 0;
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {

@@ -1,4 +1,9 @@
 // Which pieces of the negative set are the body, and which of its holes stay.
+// Connectedness is that of vertices inside by edges (union-find). The body is the piece that is held, bears most loads,
+// has most labels, and is the largest, in this order. A piece that bears a load and is not connected with it is an
+// error; one with a support alone or with nothing is dropped with a note. Holes smaller than `least_area` that do not
+// touch the frame's boundary are filled. What hangs on the body by cracks alone and bears no label is dropped, which
+// may disconnect more: hence the loop.
 
 #include "geometry/carve/signs.hpp"
 
@@ -34,6 +39,8 @@ std::string names(const Shape& frame, const std::vector<Index>& labels) {
   return list;
 }
 
+/// A hole is a connected set of vertices outside; the area is that of the parts of triangles outside, each counted
+/// once.
 void fill_holes(const Block& block, Signs& signs, std::vector<std::string>& notes) {
   const auto& [frame, mesh, rim, how] = block;
   if (!(how.least_area > 0)) return;
@@ -127,6 +134,7 @@ struct Lumps {
   std::vector<Index> of;  // per vertex, none in the void
 };
 
+/// Every triangle with material belongs to one lump, as its inside vertices are joined by its edges.
 Lumps find_lumps(const Block& block, const Signs& signs) {
   const Mesh& mesh = block.mesh;
   Sets sets(mesh.points.size());

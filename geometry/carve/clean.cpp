@@ -1,4 +1,9 @@
 // Signs turned, so that what the zero line bounds keeps apart and together.
+// A vertex turns its sign, at most once, where around it the other sign comes in two runs nearer together than the
+// least width (a neck is opened, a gap closed), where it stands alone, where a crack would lie in a sliver of material,
+// or where a corner of the frame would get a side shorter than the tolerance. Vertices of regions and on labels to keep
+// never turn into void. Six sweeps at most. Afterwards every vertex gets a distance that crossings keep from it, so
+// that no triangle of the later mesh is squeezed between the zero line and something that stays.
 
 #include "geometry/carve/signs.hpp"
 
@@ -35,6 +40,7 @@ struct Ring {
   std::vector<Index> edge, other;
   bool open = false;
 };
+/// On the boundary the first edge is the one that no triangle's turn ends at.
 Ring ring(const Mesh& mesh, const Stars& stars, Index v) {
   struct Step {
     Index from, to, edge_from, edge_to;
@@ -82,6 +88,8 @@ struct Around {
   bool alone = false;                // no neighbor has the same sign
   double at_first = 0, at_last = 0;  // on the boundary: to the crossings along it; 0: none there
 };
+/// Runs of neighbours with the other sign, each with its nearest crossing; on the boundary the outside of the frame
+/// counts as void, at distance 0.
 Around look(const Mesh& mesh, const Signs& signs, const Ring& ring, Index v) {
   const bool here = signs.inside[std::size_t(v)];
   struct Part {
@@ -204,6 +212,7 @@ struct Turner {
     return found;
   }
 
+  /// The first reason that holds counts; `solid` vertices inside never turn.
   bool wants_to_turn(Index v) {
     const std::size_t i = std::size_t(v);
     const double near = block.how.tolerance, narrow = block.how.least_width;

@@ -41,6 +41,7 @@ Index steps_between(const Chain& chain, Index i, Index number) {
 
 }  // namespace
 
+/// Segments of a point's own chain count from `near` steps away on: closer ones bend towards it without meeting it.
 std::vector<std::vector<Clearance>> clearances(const std::vector<Chain>& chains, const std::vector<Obstacle>& obstacles,
                                                double far) {
   std::vector<std::array<Vec2, 2>> segments;

@@ -1,9 +1,13 @@
+// Closed contours of what is inside: per triangle with two signs a link from the edge by which its boundary leaves to
+// the one by which it enters, along the frame a link per edge that is partly inside; each node has one successor.
+
 #include "geometry/carve/contours.hpp"
 
 #include <utility>
 
 namespace kerf {
 
+/// Links are taken once each, so that every loop is found once; a triangle has one link at most.
 std::vector<Contour> contours(const Mesh& mesh, const Signs& signs, const Rim& rim) {
   // Nodes: crossed edges, then vertices on the boundary.
   const std::size_t edges = mesh.edges.size();

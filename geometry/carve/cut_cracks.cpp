@@ -1,4 +1,9 @@
 // Cracks of the frame, cut to what lies inside.
+// A crack is a path of vertices of the background; where the signs of two neighbours differ the edge between is cut at
+// its crossing. Parts shorter than `least` are dropped, with a note; the rest keeps the kinks between its ends, arcs
+// their circle.
+// Places on an arc are lengths along its circle, on a polyline lengths along its edges. An end that was cut names the
+// edge of the background, so that the zero line is made to meet it (carve.cpp); an end of the crack itself names none.
 
 #include "geometry/carve/contours.hpp"
 

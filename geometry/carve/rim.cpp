@@ -1,3 +1,10 @@
+// Which side of the frame each boundary edge of its mesh lies on: a walk along each loop of the boundary, from the
+// vertex nearest the first corner of the loop, a strand further at each corner. Corners are met within 1e-6 of the
+// extent; between two arcs that go on smoothly, where the mesher moves points to keep the area (mesher/split.cpp),
+// within a tenth of an edge. What does not follow is no mesh of the frame and throws.
+// A whole circle has one strand and no corners: its walk starts at the nearest vertex and ends there. Every vertex of
+// the boundary belongs to one loop, which leaves it by one edge with the body on its left.
+
 #include "geometry/carve/rim.hpp"
 
 #include <fmt/format.h>
@@ -46,6 +53,7 @@ std::string text(const Vec2& x) {
   return fmt::format("({:.4g}, {:.4g})", x.x(), x.y());
 }
 
+/// A reversed loop of the frame has its strands in the opposite order, hence `side`.
 Rim find_rim(const Shape& frame, const Mesh& mesh) {
   Rim rim;
   rim.drawing = draw(Shape{frame.outline, frame.holes, {}, frame.labels, {}});

@@ -1,3 +1,5 @@
+// Signs of a function at vertices, where it crosses edges (linearly, kept clear of vertices), and the area inside.
+
 #include "geometry/carve/signs.hpp"
 
 #include <algorithm>
@@ -33,6 +35,7 @@ double crossing(const Mesh& mesh, const Signs& signs, Index edge) {
   return std::clamp(exact_crossing(mesh, signs, edge), low, 1 - high);
 }
 
+/// The corner that is alone cuts off a triangle whose area is in proportion to both shares of its edges.
 double inside_area(const Mesh& mesh, const Signs& signs, Index triangle) {
   const auto& v = mesh.triangles[std::size_t(triangle)];
   int count = 0;

@@ -1,4 +1,10 @@
 // Polylines with fewer and better placed points.
+// A line is sampled at even steps, five per spacing; smoothed by pairs of steps with factors .5 and -.53, which damp
+// short waves and keep long ones [Taubin 1995]; then a shortest path picks the points that stay, with the cost
+//   log(length/spacing)^2 + (largest distance from the chord/allowed)^2/2   per chord,
+// chords of up to 8 steps; and what is not fixed moves along its normals until the area is that of the line. Each move
+// is at most a fifth of the point's clearance, so that lines that were apart stay apart. docs/theory/level_set.md,
+// "Smoothing".
 
 #include "geometry/carve/simplify.hpp"
 #include "geometry/plane.hpp"
@@ -20,6 +26,7 @@ Vec2 right(const Vec2& d) {
 
 }  // namespace
 
+/// Between fixed points steps are even; a loose closed chain has at least twenty.
 Chain sample(const Chain& chain, double spacing) {
   const double step = spacing / fineness;
   const std::size_t n = chain.points.size();
@@ -107,6 +114,7 @@ double off_chord(const Stretch& s, std::size_t i, std::size_t j, double chord) {
 
 /// The cheapest way from the first to the last point by chords of about the wanted length, none further than allowed
 /// from the points between: numbers of the points that stay.
+/// The path always exists: a chord of one step is allowed whatever it misses.
 std::vector<std::size_t> cheapest(const Stretch& s, const Simplifying& how) {
   const std::size_t n = s.x.size() - 1;
   const std::size_t most =
@@ -164,6 +172,7 @@ void restore_area(Chain& chain, const std::vector<Clearance>& clearance, double 
 }
 
 /// A closed chain that may start anywhere: where it turns most.
+/// By the shortest distance between the points two steps away on either side.
 void start_sharpest(Chain& chain, std::vector<Clearance>& clearance) {
   const std::size_t n = chain.points.size();
   std::size_t sharpest = 0;
@@ -184,6 +193,8 @@ double length(const Chain& chain) {
 
 }  // namespace
 
+/// Between fixed points by themselves, so that a fixed point never moves; the area is restored for the chain as a
+/// whole.
 Chain simplify(const Chain& chain, const Chain& given, const std::vector<Clearance>& given_clearance,
                const Simplifying& how) {
   Chain fine = given;

@@ -1,3 +1,6 @@
+// The zero line of a function that is linear on triangles, and the area of its negative part: of a triangle with one
+// negative corner i it is area f_i^2/((f_i - f_j) (f_i - f_k)).
+
 #include "geometry/carve/signs.hpp"
 
 #include <fmt/format.h>

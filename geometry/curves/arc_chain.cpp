@@ -1,3 +1,11 @@
+// Chains of circular arcs, two per segment between knots with directions t_0, t_1 [Bolton 1975; theory: K.1, K.2]:
+//   d = |v|^2/(v . (t0 + t1) + sqrt((v . (t0 + t1))^2 + 2 (1 - t0 . t1) |v|^2)),   middle = (x0 + x1 + d (t0 - t1))/2,
+// and on an arc from a to b that makes the angle alpha with its chord, after the share s of its turn,
+//   x(s) = a + sin(s alpha)/sin(alpha) R((s - 1) alpha) (b - a),
+// which is smooth in knots and directions, straight lines included. Points with their derivatives by both knots come
+// from the same template on numbers with six derivatives (dual.hpp). Places nearest to points, lengths, and arcs for
+// shapes. docs/theory/curves.md, "Arcs".
+
 #include "geometry/arc_chain.hpp"
 
 #include "geometry/curves/dual.hpp"
@@ -42,6 +50,7 @@ std::array<HalfBiarc<S>, 2> biarc(const std::array<S, 6>& knots) {
 
 /// sin(part half) / sin(half).
 template <typename S>
+/// Below 1e-4 by the series to second order, whose error is below rounding; its derivative is right, too.
 S chord_share(const S& half, double part) {
   using std::sin;
   const double value = [&] {
@@ -94,6 +103,7 @@ std::size_t segment_count(const ArcChain& chain) {
   return chain.knots.size() - (chain.closed ? 0 : 1);
 }
 
+/// curvature = 2 sin(half)/chord; the tangent is that of the chord, turned by half (2 part - 1).
 ChainPoint point_on(const ArcChain& chain, const ChainPlace& place) {
   const std::array<double, 6> value = numbers(chain, place.arc / 2);
   std::array<Dual, 6> variable;
@@ -143,6 +153,7 @@ ChainPlace nearest(const ArcChain& chain, const Vec2& x, std::size_t first, std:
   return best.place;
 }
 
+/// A start within `most` exists, so that arcs whose start is further than that plus their length cannot be nearer.
 std::vector<ChainPlace> nearest(const ArcChain& chain, std::span<const Vec2> points) {
   struct Piece {
     HalfBiarc<double> arc;
@@ -181,6 +192,7 @@ double largest_turn(const ArcChain& chain) {
   return most;
 }
 
+/// An arc that is nearly straight is drawn as its chord: its circle would have no digits left.
 std::vector<Side> sides(const ArcChain& chain, Index label) {
   std::vector<Side> all;
   for (std::size_t k = 0; k < 2 * segment_count(chain); ++k) {

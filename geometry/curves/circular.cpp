@@ -1,3 +1,5 @@
+// Ellipses and long arcs of a shape as chains of circular arcs of less than half a turn, for files that know no others.
+
 #include "geometry/arc_chain.hpp"
 
 #include "geometry/plane.hpp"
@@ -16,6 +18,7 @@ bool is_circle(const Arc& arc) {
 }
 
 /// The chain of an ellipse or of a part of it.
+/// Knots may come as near to each other as an eighth of the smallest radius of curvature.
 std::vector<Side> as_chain(const Side& side, double tolerance, bool whole) {
   const Arc& arc = *side.arc;
   const int n = 16 + int(128 * std::abs(arc.to - arc.from) / (2 * pi));

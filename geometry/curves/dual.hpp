@@ -6,6 +6,7 @@
 
 namespace kerf {
 
+/// A value and its row of derivatives; rules of the chain for what biarcs need, no more.
 struct Dual {
   using By = Eigen::Matrix<double, 1, 6>;
   double value = 0;

@@ -1,3 +1,11 @@
+// A chain of circular arcs [theory: K.1, K.2] near a polyline, with few knots. For given knots at places along the
+// line, Gauss and Newton minimise over normal offsets and directions of the knots
+//   sum_i w_i (distance of sample i)^2 + sum_k (stiffness l^(5/2) (curvature of arc k + 1 less that of arc k))^2,
+// with samples at the points of the line and their middles, each on the nearest arc found before. Segments that miss
+// the line by more than the tolerance, or turn by more than a quarter of a circle, are halved, and the fit starts
+// again. Steps keep arcs from folding (a turn of 180 degrees makes a loop). Pinned points stay. The result does not
+// depend on units. docs/theory/curves.md, "Arcs".
+
 #include "geometry/arc_chain.hpp"
 
 #include "base/dense.hpp"
@@ -78,6 +86,7 @@ struct Fit {
     return std::min(k, segment_count(chain) - 1);
   }
 
+  /// The nearest place among three segments around the sample's own: along the line it cannot be far from it.
   void measure() {
     off.resize(Eigen::Index(samples.size()));
     place.resize(samples.size());
@@ -131,6 +140,7 @@ struct Fit {
     }
   }
 
+  /// In the frames of the knots before the step.
   ArcChain moved(const VectorXd& step) const {
     ArcChain next = chain;
     for (std::size_t k = 0; k < next.knots.size(); ++k) {
@@ -143,6 +153,9 @@ struct Fit {
   }
 
   /// One step of Gauss and Newton; false when it brings nothing.
+  /// A normal offset moves the knot across its direction, an angle turns it; pinned knots only turn. 1e-9 of the
+  /// diagonal keeps the matrix definite where samples do not determine a knot. `largest_step`: radians, beyond which
+  /// the linearization is not one.
   bool improve(double unit) {
     const Eigen::Index n = Eigen::Index(2 * chain.knots.size());
     MatrixXd normal = MatrixXd::Zero(n, n);
@@ -281,6 +294,7 @@ bool halve(Fit& fit, const ArcFit& how) {
 
 }  // namespace
 
+/// Every round of halving has more knots, at least .3 of the least spacing apart, so that the loop ends.
 Fitted fit_arcs(const ChainTrace& trace, const ArcFit& how) {
   if (trace.points.size() < (trace.closed ? 3u : 2u)) throw std::invalid_argument("too few points for a chain of arcs");
   const Line line = line_of(trace);

@@ -1,3 +1,11 @@
+// The next mesh from an indicator eta_T per triangle. Remeshing: size factors r_T = w eta_T^(-1/(p+1)) between bounds
+// give every new triangle the same error [theory: R.7]; w is found by bisection such that the sum of eta^2 r^(2 p)
+// reaches the goal, or that of r^-2 the largest number of triangles. Newest-vertex bisection [theory: R.8]: a triangle
+// halves its edge 0, opposite its newest vertex; a marked triangle marks that edge, and with it the triangle beyond,
+// which halves its own edge 0 first: the loop ends because every step marks a new edge. At most four shapes of
+// triangles descend from each. Images at mirrored tips are halved together. docs/theory/recovery_and_estimates.md,
+// "Refinement".
+
 #include "geometry/adapt.hpp"
 #include "geometry/mesh/mirror.hpp"
 #include "geometry/topology.hpp"
@@ -25,6 +33,7 @@ void check_goal(const Mesh& mesh, std::span<const double> eta, const Goal& goal)
 /// Factors on the sizes of the triangles. With r_T that of T, p the order, T becomes r^-2 triangles with the squared
 /// error eta^2 r^2p in all. The least sum of r^-2 at a given sum of eta^2 r^2p has r^(2p+2) eta^2 the same everywhere:
 /// every new triangle the same error. So r = w eta^(-1/(p+1)), between the bounds, w from the goal.
+/// 60 steps in log w: to the last digit. Triangles without an error take the largest factor.
 std::vector<double> factors(std::span<const double> eta, const Goal& goal) {
   const double p = goal.order;
   std::vector<double> factor(eta.size());
@@ -80,6 +89,7 @@ std::vector<double> equidistributed_sizes(const Mesh& mesh, std::span<const doub
   return size;
 }
 
+/// Ties go to the edge of the lower number, so that equal triangles are turned alike on every machine.
 Mesh longest_edges_first(Mesh mesh, bool mirrored_tips) {
   const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -99,6 +109,7 @@ Mesh longest_edges_first(Mesh mesh, bool mirrored_tips) {
   return mesh;
 }
 
+/// A triangle with its edge 0 halved becomes two, and each half is halved again if its own outer edge is.
 Mesh bisect(const Mesh& mesh, std::span<const Index> marked, bool mirrored_tips) {
   // A triangle with an edge to be halved halves its own edge 0 first. At tips the image of an edge is halved with it.
   const MirrorImages mirror = mirrored_tips ? mirror_at_tips(mesh) : MirrorImages{};

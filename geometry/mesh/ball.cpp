@@ -1,3 +1,13 @@
+// Meshes of a ball with nested contours (circles or ellipses) or a slit, for perturbations of finite radius: see "One
+// mesh" in docs/theory/validation.md. Rings of n vertices lie in geometric progression, staggered by half a step, so
+// that triangles are nearly equilateral at every radius: with the step s = 2 pi/n the radius falls by exp(-s sqrt(3)/2)
+// per ring. Inside the last contour every second ring has half as many vertices, down to a fan around the center. A
+// slit is meshed in elliptic coordinates
+//   x = c + l cosh(xi + i eta),
+// which turn into polar ones towards the boundary: edges shorten towards its tips like the root of the distance.
+// Contours are n-gons with the area of what they stand for, or follow it. Rings of ellipses that come out worse than 20
+// degrees are given up, and the mesher fills between the contours.
+
 #include "geometry/ball.hpp"
 
 #include "kerf/mesher.hpp"
@@ -68,6 +78,7 @@ struct Triangles {
 
   /// The triangles between two rings, each next one across the diagonal that turns less. The first vertices of the two
   /// lie less than an edge of the inner one apart.
+  /// A greedy choice of the shorter diagonal, as both rings are nearly even.
   void zip(const Ring& outer, const Ring& inner, Index number) {
     const std::size_t m = outer.vertex.size(), k = inner.vertex.size();
     for (std::size_t i = 0, j = 0; i < m || j < k;) {
@@ -105,6 +116,7 @@ Index edge_between(const Mesh& mesh, Index a, Index b) {
   return Index(std::lower_bound(mesh.edges.begin(), mesh.edges.end(), edge) - mesh.edges.begin());
 }
 
+/// Marked edges keep the order of the rings; areas are those of the polygons.
 BallMesh finish(Triangles&& all, const std::vector<Ring>& contours, std::vector<Marked> marked) {
   const Ring& boundary = contours.front();
   for (std::size_t i = 0; i < boundary.vertex.size(); ++i) marked.push_back({boundary[i], boundary[i + 1], 0, none});
@@ -140,6 +152,7 @@ struct Ovals {
   }
 };
 
+/// Semi-axes in geometric progression; the turn of the first vertex goes over smoothly.
 Oval between(const Oval& a, const Oval& b, double part) {
   return {a.along * std::pow(b.along / a.along, part), a.across * std::pow(b.across / a.across, part), b.angle,
           a.lag + smooth_step(part) * (b.lag - a.lag)};
@@ -268,6 +281,8 @@ Loop ball_hole(std::string name, const Ball& ball, Index label) {
   return loop;
 }
 
+/// `along`: the factor step/sin(step) gives the n-gon the area of its ellipse. `lag` turns the contour by whole
+/// vertices, so that one lies on the long axis and rings need not twist by more than half a step.
 BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double aspect, double angle, bool curved) {
   check_ball(ball);
   require(std::isfinite(aspect) && aspect >= 1 && std::isfinite(angle),
@@ -293,6 +308,9 @@ BallMesh ball_mesh(const Ball& ball, const std::vector<double>& radii, double as
   return curved ? ball_mesh(ball, radii, aspect, angle) : shells(ovals, boundary);
 }
 
+/// x = a + b, y = a - b with a = l/2 e^xi and b = l/2 e^-xi are the semi-axes of the ellipse at xi; b fades by 1 -
+/// way^4, so that the last ring is a circle. At xi = 0 both sides fall on the slit, whose inner vertices the two sides
+/// share.
 BallMesh slit_mesh(const Ball& ball, double half_length, double angle) {
   check_ball(ball);
   const auto& [center, radius, n] = ball;

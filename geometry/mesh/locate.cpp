@@ -1,5 +1,10 @@
 // Points to triangles: a tree of boxes, halved at the median centroid, so that meshes graded over many decades cost no
 // more than even ones.
+// A point on an edge, or outside by less than 1e-12 of the extent, counts to the nearest triangle, of equals to the one
+// found first: queries do not depend on anything but the mesh. Of a curved edge the arc decides and not the chord: a
+// point between both belongs to the triangle on the other side of the chord. The tree has at most 4 triangles in a
+// leaf, its depth is bounded by the logarithm of their number, and the nearest triangle is found by visiting the nearer
+// box first.
 
 #include "kerf/mesh.hpp"
 
@@ -75,6 +80,7 @@ void grow(Locator& locator, const std::vector<Box>& boxes, Index first, Index co
 
 }  // namespace
 
+/// Boxes are those of the triangles of the chords; arcs are seen to when a triangle is found.
 Locator make_locator(const Mesh& mesh) {
   Locator locator;
   if (mesh.triangles.empty()) return locator;

@@ -1,3 +1,10 @@
+// The mesh and its connections: edges between pairs of vertices by a counting sort of half edges, triangles on the left
+// and right of every edge (an edge runs from its smaller to its larger vertex), labels, cracks, regions; corners split
+// at cracks, connected pieces, and refinement of every triangle into four. Edges are sorted by (smaller, larger)
+// vertex, so that their numbers follow from the vertices alone: two meshes with the same vertices in the same order
+// have the same edges in the same directions. Divided edges of curved sides lie on their arcs, bit for bit those that
+// `refine` makes.
+
 #include "kerf/mesh.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/topology.hpp"
@@ -31,6 +38,7 @@ struct Half {
   std::int8_t side;
 };
 
+/// A clockwise triangle would turn every normal of its edges.
 void check_triangle(const std::vector<Vec2>& points, const std::array<Index, 3>& v, std::size_t number) {
   for (const Index i : v)
     if (i < 0 || std::size_t(i) >= points.size())
@@ -166,6 +174,7 @@ Vec2 centroid(const Mesh& mesh, Index triangle) {
   return (mesh.points[std::size_t(v[0])] + mesh.points[std::size_t(v[1])] + mesh.points[std::size_t(v[2])]) / 3;
 }
 
+/// Of the smallest angle its tangent: one arctangent for the whole mesh.
 Quality quality(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
   double shortest = infinity, longest = 0;
@@ -202,6 +211,8 @@ Corners split_at_cracks(const Mesh& mesh) {
   return split_at(mesh, cut);
 }
 
+/// A fan of triangles around a vertex, not across cut edges, shares one corner; the first fan keeps the vertex's
+/// number.
 Corners split_at(const Mesh& mesh, const std::vector<bool>& cut) {
   Corners corners;
   corners.of.assign(mesh.triangles.size(), {none, none, none});
@@ -241,6 +252,7 @@ Corners split_at(const Mesh& mesh, const std::vector<bool>& cut) {
   return corners;
 }
 
+/// A flood over triangles, in the order of their numbers: piece 0 holds triangle 0.
 std::vector<Index> pieces(const Mesh& mesh, const std::vector<bool>& cut) {
   std::vector<Index> piece(mesh.triangles.size(), none);
   std::vector<Index> stack;
@@ -298,6 +310,7 @@ Vec2 middle_of(const Mesh& mesh, Index edge) {
   return (mesh.points[std::size_t(a)] + mesh.points[std::size_t(b)]) / 2;
 }
 
+/// Halved time after time, as refine does: places in one step would round otherwise.
 std::vector<Vec2> divided_edge(const Mesh& mesh, Index edge, int divisions) {
   const auto [a, b] = mesh.edges[std::size_t(edge)];
   const Arc* arc = mesh.arc.empty() || mesh.arc[std::size_t(edge)] == none
@@ -329,6 +342,7 @@ std::vector<Vec2> divided_edge(const Mesh& mesh, Index edge, int divisions) {
 namespace {
 
 /// The arcs of `mesh` on the edges of `fine`, in two where an edge has a middle.
+/// Arcs run from the smaller vertex of their edge: of the second half that is b, as middles have the larger numbers.
 void halve_arcs(const Mesh& mesh, const std::vector<Index>& middle, Mesh& fine) {
   if (mesh.arc.empty()) return;
   fine.arc.assign(fine.edges.size(), none);
@@ -375,6 +389,8 @@ Mesh halved(const Mesh& mesh, const std::vector<Index>& middle, std::vector<Vec2
   return fine;
 }
 
+/// Children of triangle t are 4 t to 4 t + 3, three at its corners and one in the middle; edge e has the middle
+/// vertices + e.
 Mesh refine(const Mesh& mesh) {
   const Index vertices = Index(mesh.points.size());
   std::vector<Vec2> points = mesh.points;

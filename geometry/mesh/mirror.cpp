@@ -1,3 +1,9 @@
+// Which triangles and edges around a crack tip are mirror images of each other in the crack: a walk over pairs of
+// triangles, from the edge at the tip outwards. From a pair and an edge of each that are images the two other edges are
+// paired, those of the image in the opposite turn, and the triangles beyond them are the next pair as long as the apex
+// of one lies where the image of the other's does, up to a twentieth of the edge. An edge that is its own image
+// (straight ahead of the tip) ends the walk there. Adaptive meshes keep such images alike (adapt.cpp).
+
 #include "geometry/mesh/mirror.hpp"
 
 #include <algorithm>
@@ -71,6 +77,7 @@ struct Walk {
 
 }  // namespace
 
+/// A vertex with exactly one crack edge and no side is a tip.
 MirrorImages mirror_at_tips(const Mesh& mesh) {
   Walk walk{mesh,
             {std::vector<Index>(mesh.triangles.size(), none), std::vector<Index>(mesh.edges.size(), none)},

@@ -1,3 +1,9 @@
+// Pieces of a mesh as meshes of their own, and a body put together with the balls that fill its holes. Vertices keep
+// their relative order, so that every edge keeps its direction and unknowns on edges can be copied without a change of
+// sign. A ball meets the body at the n vertices of its hole, found by their coordinates, which are the same numbers in
+// both; the edges of that rim lose their labels. Labels, cracks in the order of their paths, regions and arcs carry
+// over. Cracks of balls (slits) count behind those of the body.
+
 #include "geometry/part.hpp"
 
 #include <algorithm>
@@ -134,6 +140,7 @@ std::vector<std::vector<Index>> contours_in(const std::map<Ends, Index>& edge_of
 
 }  // namespace
 
+/// A crack that the part does not touch keeps its number and has no edges.
 Part part(const Mesh& whole, const std::vector<bool>& use) {
   Part p;
   std::vector<bool> seen_vertex(whole.points.size(), false), seen_edge(whole.edges.size(), false);
@@ -174,6 +181,7 @@ Mesh part_without_cracks(Mesh whole, const std::vector<bool>& use) {
   return part(whole, use).mesh;
 }
 
+/// The ball's own label on its boundary is lost with the hole's; its slit becomes a crack behind those of the body.
 Filled fill(const Mesh& outside, const std::vector<BallMesh>& balls) {
   Filler filler{outside};
   Filled filled;

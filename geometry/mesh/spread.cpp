@@ -1,3 +1,10 @@
+// The part of a mesh that one process works on. It has its own triangles first, then rings of those of others around
+// them (as many coarse rings as make six once the mesh is divided `times` times, since recovered stresses look at up to
+// five) and what lies beyond a crack from any of these. The lists `shown` and `seen` of two processes are in the same
+// order, which is that of the coarse mesh: what one sends the other stores without names. Each division makes four
+// children that follow each other, so that all lists are divided by the same rule. See "Solving in parts" in
+// docs/theory/elements.md.
+
 #include "geometry/spread.hpp"
 
 #include "geometry/part.hpp"
@@ -12,6 +19,7 @@ namespace {
 
 /// Rings of coarse triangles around a part that are six or more once they are divided: recovered stresses look at up to
 /// five around a vertex, and those at the rim are cut off.
+/// A ring of coarse triangles is two rings of its children.
 int rings_around(int times) {
   constexpr int rings = 6;
   int coarse = rings;
@@ -121,6 +129,7 @@ void divide(MeshPart& part) {
 
 }  // namespace
 
+/// What another process has of this one is found by the same rule on the coarse mesh, without asking it.
 MeshPart mesh_part(const Mesh& coarse, const std::vector<Index>& process, int count, Index here, int times) {
   if (process.size() != coarse.triangles.size()) throw std::invalid_argument("mesh_part: a process per triangle");
   const std::vector<bool> use = triangles_of(coarse, process, here, rings_around(times));

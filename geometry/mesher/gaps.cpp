@@ -1,4 +1,9 @@
 // Narrow gaps: for points along the sides and cracks, the nearest piece that faces them across the body.
+// For points along every strand, and for corners and tips, the nearest strand across the body within twice the mesh
+// size asks for `across` edges over the width between them. Two sides face each other if the way across makes an angle
+// below 45 degrees with the normal of the one and below 60 with that of the other; strands that share a corner make an
+// angle and no gap. Stretches are halved until they are shorter than 1.5 widths, so that a wedge of a gap is seen where
+// it is narrow. Targets are filed in cells as wide as the search reaches.
 
 #include "geometry/mesher/size_field.hpp"
 #include "geometry/plane/cells.hpp"
@@ -48,6 +53,7 @@ int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
   return int(std::clamp(std::ceil(angle * std::max(largest_radius(*strand.arc) / longest, 16 / pi)), 1.0, 1e6));
 }
 
+/// A piece is at most as long as the search reaches, so that it lies in few cells.
 Targets targets_of(const Drawing& drawing, const std::vector<bool>& tip, double reach) {
   Targets targets;
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
@@ -80,6 +86,7 @@ bool faces(const Drawing& drawing, const Look& look, Index strand) {
   return other.from != own.from && other.from != own.to && other.to != own.from && other.to != own.to;
 }
 
+/// The nine cells around the point hold every piece within the reach, as cells are that wide.
 Gap nearest(const Drawing& drawing, const Targets& targets, const Look& look, double reach) {
   const Vec2& x = look.x;
   Gap best{.width = reach};
@@ -107,6 +114,7 @@ Gap nearest(const Drawing& drawing, const Targets& targets, const Look& look, do
 
 }  // namespace
 
+/// `limit` stops a gap that is far thinner than long before it fills the memory: the message names both sides.
 void add_gaps(const Shape& shape, const Drawing& drawing, const std::vector<Ligament>& ligaments, double size,
               double across, std::vector<Source>& sources) {
   const double reach = 2 * size;

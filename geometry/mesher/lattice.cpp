@@ -1,3 +1,11 @@
+// Points for the interior of a mesh: a hexagonal lattice per level of size, steps cap, cap/2, cap/4, ..., nested, each
+// used where the target length rounds to its step in log2. The body's box is cut into squares as a quadtree; a square
+// carries the pieces near it and a witness, a point of which it is known whether it lies in the body; whether another
+// point does follows from the number of sides crossed on the way to it. Points nearer than .6 steps to a piece, or
+// inside its diametral circle, are left out: they would be encroached upon, and the refinement would split that piece.
+// Squares are visited depth first, so that points that follow each other are neighbours, which is what the
+// triangulation needs to insert them in constant time.
+
 #include "geometry/mesher/lattice.hpp"
 
 #include <fmt/format.h>
@@ -19,6 +27,7 @@ struct Lattice {
   double column, row;
 };
 
+/// From 8 steps on the stretch is at most a sixteenth.
 Lattice fit(const Vec2& low, const Vec2& high, double step) {
   const auto fitted = [](double length, double wanted) {
     const double count = std::round(length / wanted);
@@ -56,6 +65,7 @@ struct Filler {
   }
 
   /// Sides crossed on the way from x straight along one axis, then along the other, to y: odd or even.
+  /// Half-open: an end of a piece that lies on the line counts for one of its two pieces.
   bool crosses(const Vec2& x, const Vec2& y, const std::vector<Index>& near) const {
     bool odd = false;
     const auto leg = [&](int axis, double at, double from, double to) {
@@ -83,6 +93,7 @@ struct Filler {
     return true;
   }
 
+  /// Half-open ranges of rows and columns: a point on the border of two squares belongs to one of them.
   void fill(const LatticeSquare& square, const Bounds& h, const std::vector<Index>& near, const Witness& witness) {
     const auto& [low, width] = square;
     for (int k = level(h.high); k <= level(h.low); ++k) {
@@ -115,6 +126,8 @@ struct Filler {
     const auto& [low, width] = square;
     const Vec2 center = low.array() + width / 2;
     const double radius = width * std::sqrt(0.5), h = size_at(field, center);
+    // Within the square h lies between h - change and h + change; where h_low is small against h_high the square is cut
+    // further.
     const double change = steepest(field, center, radius) * radius;
     const double h_low = h - change, h_high = std::min(largest_size(field, center, radius), h + change);
     const Witness here{center, witness.inside != crosses(witness.x, center, near_parent)};

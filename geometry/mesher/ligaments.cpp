@@ -1,4 +1,8 @@
 // Thin ligaments: where a straight crack runs along a straight side or another crack.
+// A ligament is at least 40 times longer than it is wide, its two sides straight and parallel up to a tenth, nothing
+// between them. It is meshed with one layer of triangles, long ones: beams are right with that to the order (k h)^2/12
+// of their bending [theory: C.35]. Its ends, twice its width long, are meshed as any gap. Of candidates the narrowest
+// are taken first; a strand is divided by one crack at a time. See "Beneath a side" in docs/theory/contact.md.
 
 #include "geometry/mesher/size_field.hpp"
 

@@ -1,3 +1,15 @@
+// A shape to a mesh of triangles, with CGAL's constrained Delaunay triangulation. In this order:
+// 1. the drawing (shape/drawing.hpp) and the target edge length h(x) at every point (size_field.hpp);
+// 2. sides and cracks in pieces of about h (split.cpp), inserted as constraints;
+// 3. points of hexagonal lattices inside (lattice.cpp), most of the points of the mesh, which need no search;
+// 4. Delaunay refinement of triangles with an edge longer than 1.6 h or an angle below the least one; edges to be kept
+// (of patches, of holes for balls) are never split: what would encroach upon them is left as it is;
+// 5. points of curved cracks moved to their arcs, labels, cracks, regions, curved edges (Mesh::arc);
+// 6. smoothing (smooth.cpp).
+// With `mirrored_tips` a patch around each tip is meshed on one side, mirrored, and left out of the rest: see "False
+// pressure at sliding tips" in docs/theory/fracture.md. Deterministic: the order of insertion depends on the drawing
+// alone.
+
 #include "kerf/mesher.hpp"
 #include "geometry/topology.hpp"
 #include "kerf/stop.hpp"
@@ -46,6 +58,7 @@ Vec2 vec(const Kernel::Point_2& p) {
 
 /// What CGAL's mesher asks about a face: too long an edge for the size field (to be mended in any case), or too small
 /// an angle (to be mended unless the input forces it).
+/// The angle: the square of the sine of the smallest one, (2 area)^2 over the product of the two longer sides squared.
 class Criteria {
  public:
   Criteria(const SizeField& field, double min_angle_deg) : field_(&field) {
@@ -95,6 +108,7 @@ class Criteria {
   double least_squared_sine_;
 };
 
+/// Limits that would end in hours or in rounding: 2e7 triangles, 1e-11 of the extent, 30 degrees.
 Sizing checked(const Shape& shape, Sizing sizing) {
   const double whole = extent(shape);
   const auto require = [](bool holds, const std::string& words) {
@@ -239,6 +253,7 @@ struct Edges : CGAL::Mesh_2::Refine_edges_with_clusters<Triangulation, Conformin
   }
 };
 
+/// `budget`: refinement of a healthy drawing takes a small part of it; where two sides nearly touch it may never end.
 void refine(Triangulation& triangulation, Criteria criteria, const Shape& shape, const Drawing& drawing,
             const Pieces& pieces) {
   // As in CGAL::Delaunay_mesher_2, which does not let its edges be replaced.
@@ -271,6 +286,7 @@ void refine(Triangulation& triangulation, Criteria criteria, const Shape& shape,
 }
 
 /// The vertices along the constraint from a to b, which the refinement may have split.
+/// Vertices of the drawing have numbers, those that refinement has put in have none: a chain ends at the next number.
 std::vector<Vertex> chain(const Triangulation& triangulation, const Vertex& a, const Vertex& b) {
   const auto each_neighbor = [&](const Vertex& v, auto&& visit) {
     auto edge = triangulation.incident_edges(v);
@@ -304,6 +320,7 @@ struct Followed {
   Arc arc;
 };
 
+/// Arcs run from the smaller vertex of their edge to the larger one.
 void follow(Mesh& mesh, const std::vector<Followed>& followed) {
   if (followed.empty()) return;
   std::map<std::pair<Index, Index>, const Followed*> between;
@@ -332,6 +349,8 @@ struct Rough {
   std::vector<Followed> followed;
 };
 
+/// Only faces of the domain count; points get their numbers in the order in which triangles name them. Along a piece
+/// that the refinement has split, places on the arc are in proportion to the places on the chord.
 Rough mesh_of(const Shape& shape, const Drawing& drawing, const Pieces& pieces, const SizeField& field,
               double min_angle_deg, bool curved) {
   Triangulation triangulation;
@@ -417,6 +436,7 @@ std::vector<Index> regions(const Mesh& mesh, const std::vector<Rough::RegionEdge
 }
 
 /// Moves the points on chords to their arcs. False when that would flatten a triangle.
+/// A triangle may lose up to 70 % of its area; beyond that the arcs get more pieces.
 bool place_on_arcs(Rough& rough) {
   if (rough.places.empty()) return true;
   const auto twice = [&](const std::vector<Vec2>& x, const std::array<Index, 3>& t) {
@@ -430,6 +450,7 @@ bool place_on_arcs(Rough& rough) {
   return true;
 }
 
+/// The box is that of the evenly split outline, arcs included.
 SizeField field_of(const Shape& shape, const Drawing& drawing, const Sizing& sizing, const Background* background) {
   Vec2 low = drawing.corners.front(), high = low;
   const Pieces outline = split_evenly(drawing);
@@ -454,6 +475,7 @@ struct Meshed {
 };
 
 /// `names`: whose words errors are in.
+/// 16 times as many pieces on arcs at most; then a crossing is an error, and points stay on their chords.
 Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField& field, double min_angle_deg,
                     bool curved = false) {
   // Chords may touch what their arcs do not, and refinement may split them off the arc: then the arcs get more pieces.
@@ -473,6 +495,7 @@ Meshed mesh_drawing(const Shape& names, const Drawing& drawing, const SizeField&
   }
 }
 
+/// In units of the edge at the tip: one patch of a kind serves all tips of that kind.
 Patch make_patch(const PatchKind& kind, double min_angle_deg) {
   const Shape half = half_disc(kind);
   const Vec2 margin = 0.1 * Vec2::Ones(), corner(kind.radius, kind.radius);
@@ -493,6 +516,7 @@ struct Patches {
 };
 
 /// The patches in their holes.
+/// Cracks are marked along their path: patches at starts, the body, then patches at ends.
 Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
   Mesh& mesh = outside.mesh;
   std::size_t sides = 0;
@@ -536,6 +560,7 @@ Mesh fill(Meshed outside, const std::vector<Patch>& patches) {
 }
 
 /// Per patch whether an angle in it or at its rim is smaller than promised.
+/// Triangles are known to belong to a patch by the coordinates of its points, which are copied bit for bit.
 std::vector<bool> cramped(const Mesh& mesh, const std::vector<Patch>& patches, double min_angle_deg) {
   std::map<std::pair<double, double>, std::size_t> patch_at;
   for (std::size_t p = 0; p < patches.size(); ++p)
@@ -583,6 +608,7 @@ Mesh with_patches(const Shape& shape, const Drawing& drawing, const SizeField& f
   }
 }
 
+/// Unusable shapes are refused first: CGAL would end in an assertion or never.
 Mesh triangulate(const Shape& shape, const Sizing& given, const Background* background) {
   check_stop();
   if (const auto problem = find_problem(shape)) throw Error(Fault::Geometry, *problem);

@@ -1,3 +1,11 @@
+// The target edge length h(x) = min(cap, background, min over sources of size + grading d), d the distance to the
+// source, and its queries. Sources lie in a quadtree whose leaves list those that can be the least one somewhere in
+// their square: with the square's center c and r = grading times half its diagonal, a source s is kept if h_s(c) - r is
+// below the least h_t(c) + r. A background of sizes at the vertices of a mesh is linear on its triangles and is first
+// made to grow by the grading at most along every edge (a shortest path computation, each vertex settled once). Edges
+// that are kept raise h beside them:
+//   h >= length - .5 d,   so that no point of the mesh crowds them.
+
 #include "geometry/mesher/size_field.hpp"
 
 #include <fmt/format.h>
@@ -16,6 +24,7 @@ constexpr std::size_t many = 12;   // no leaf lists more
 constexpr int max_depth = 40;      // of the quadtree
 constexpr double steepness = 0.5;  // with which the target falls away from an edge that is kept
 
+/// Within the reach: not above cap (d/reach)^.8, which for stresses like d^-1/2 spreads the error evenly.
 double size_of(const SizeField& field, const Source& s, const Vec2& x) {
   const double d = distance(x, s.a, s.b), linear = s.size + field.grading * d;
   if (d >= s.reach) return linear;
@@ -159,6 +168,7 @@ void add_background(SizeField& field, const Background& background, double least
   field.locator = make_locator(mesh);
 }
 
+/// Only edges that the rest would have shorter need room: for the others the field is right as it is.
 void add_kept(SizeField& field, const Drawing& drawing) {
   std::vector<Source> kept;
   for (const Strand& strand : drawing.strands) {
@@ -189,6 +199,7 @@ double steepest(const SizeField& field, const Vec2& x, double distance) {
   return beside_kept(field, x, distance) ? std::max(field.grading, steepness) : field.grading;
 }
 
+/// Down the quadtree by doubling the coordinates within the square: no square's box is stored.
 double size_at(const SizeField& field, const Vec2& x) {
   const SizeField::Node* node = field.nodes.data();
   Vec2 local = (x - field.low) / field.width;

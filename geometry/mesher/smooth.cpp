@@ -1,3 +1,11 @@
+// Smoothing of a mesh: vertices move and edges flip to lower the sum over triangles of
+//   1/quality = (a^2 + b^2 + c^2)/(4 sqrt(3) area),   1 for an equilateral triangle, infinite for a flat one.
+// A vertex takes one Newton step on the sum around it, halved up to three times until the sum falls and no angle gets
+// worse than the promised one (or than the worst one was). An edge between two triangles is flipped under the same
+// conditions. Vertices and edges of the boundary, of cracks and of borders between regions stay. Triangles below 1.02
+// are left alone, so that sweeps touch only what changed. Topology lives in `across` (the triangle beyond each edge),
+// updated by each flip.
+
 #include "geometry/mesher/smooth.hpp"
 
 #include <algorithm>
@@ -61,6 +69,8 @@ struct Mosaic {
   }
 };
 
+/// A vertex on anything that stays has no triangle in `around`, and does not move; an edge that stays has none in
+/// `across`.
 Mosaic mosaic(const Mesh& mesh, double min_angle_deg) {
   const double tangent = std::tan(min_angle_deg * pi / 180);
   Mosaic m{mesh.points, mesh.triangles, {}, {}, {}, tangent * tangent};
@@ -85,6 +95,8 @@ Mosaic mosaic(const Mesh& mesh, double min_angle_deg) {
 }
 
 /// One Newton step of the vertex on the sum of the costs around it, halved until it lowers the sum.
+/// cost = N/D: with g the gradient of one term, the gradient of N is g D + cost d, and the second derivatives follow.
+/// Where the Hessian is not clearly definite a gradient step of the size of its trace is taken.
 void move(Mosaic& m, Index vertex, std::vector<Index>& star) {
   star.clear();
   const Vec2 x = m.points[std::size_t(vertex)];
@@ -172,6 +184,7 @@ void flip(Mosaic& m, Index t, Index i) {
 
 }  // namespace
 
+/// Vertices in their order, then edges, so that the result depends on the mesh alone.
 Smoothed smooth(const Mesh& mesh, double min_angle_deg, int sweeps) {
   Mosaic m = mosaic(mesh, min_angle_deg);
   std::vector<Index> star;

@@ -1,4 +1,10 @@
 // What asks for short edges.
+// Sources of the size field, each with a length and a place: tips (`crack_tip_size`), kinks, junctions and reentrant
+// corners (size/25), corners of regions (size/10), mouths of cracks (size/4), short sides (their length), ends of
+// contact, curved sides (32 pieces per turn of the local circle of curvature, also of the images that a frame is mapped
+// to), ligaments (size/8) and narrow gaps (gaps.cpp). At a singular point with a reach the size grows like the distance
+// to the power .8 (size_field.hpp). With a background (an adaptive mesh) only what keeps the geometry counts, since the
+// background knows the singular points.
 
 #include "geometry/mesher/tips.hpp"
 
@@ -22,6 +28,8 @@ void add_curved(const Drawing& drawing, const Strand& strand, const Sizing& sizi
   const Arc& arc = *strand.arc;
   const double size = sizing.size;
   const double product = std::abs(determinant(arc));
+  // The radius of curvature of the ellipse is v^3/|det|, that of its image under M is |M v|^3/(|det M| |det|), which
+  // v/|M v| takes back to lengths of the drawing.
   const auto wanted = [&](double s) {
     const Vec2 along = velocity(arc, arc.from + s * (arc.to - arc.from));
     const double v = along.norm();
@@ -69,6 +77,7 @@ struct AtCorners {
   std::vector<double> shortest;         // chord of the sides there
 };
 
+/// `smooth`: exactly two strands, both of interfaces, leave the corner in opposite directions up to 5 degrees.
 AtCorners look_at_corners(const Drawing& drawing) {
   const std::size_t n = drawing.corners.size();
   AtCorners corners{std::vector<bool>(n, false), std::vector<bool>(n, false), std::vector<bool>(n, false),
@@ -153,6 +162,7 @@ struct Finder {
     return last;
   }
 
+  /// A crack's own end asks with a reach of a quarter of its length: beyond that its field is no longer that of a tip.
   void ask_along_crack(std::size_t i) {
     const Strand& strand = drawing.strands[i];
     const double reach = crack_length[std::size_t(strand.crack)] / 4;
@@ -188,6 +198,7 @@ struct Finder {
     }
   }
 
+  /// At a corner of a region the stress is singular, but weaker than at a reentrant corner of the body.
   void ask_at_regions() {
     std::vector<Index> arriving(drawing.corners.size(), none);
     for (std::size_t i = 0; i < drawing.strands.size(); ++i)

@@ -1,4 +1,10 @@
 // Strands into pieces of the target length.
+// A strand of length l gets round(int ds/h) pieces at equal steps of that integral, which is summed over parts no
+// longer than h/2. Arcs of a body that are not followed become polygons with the area of the arcs: whole ellipses by
+// factors that move their points outwards in proportion to the squares of the steps beside them, chains of arcs without
+// corners by moving the points between them, so that stiffness and area are those of the curve to higher order. Cracks'
+// own arcs and arcs that stand alone keep their points. Ligaments are divided at the same places on both sides, so that
+// one layer of triangles fills them.
 
 #include "geometry/mesher/size_field.hpp"
 
@@ -58,6 +64,7 @@ std::vector<double> spaced(const Drawing& drawing, const Strand& strand, const S
 /// the same on both sides. Elsewhere, as where contact ends, a ligament is filled as any narrow gap.
 using Stretches = std::vector<std::vector<double>>;
 
+/// At least four pieces: shorter ligaments are meshed like gaps. The other side gets the points straight across.
 std::vector<Stretches> stretches_of(const Drawing& drawing, const SizeField& field) {
   std::vector<Stretches> all(drawing.strands.size());
   if (!field.long_ligaments) return all;
@@ -105,6 +112,7 @@ Division divided(const Drawing& drawing, const Strand& strand, const SizeField& 
 
 /// Factors that move the points of a whole ellipse away from its center, so that the polygon through them has its area.
 /// In proportion to the squares of the steps beside them: where the steps are short the points hardly move.
+/// m solves constant + m linear + m^2 quadratic = 0, the root near 0 written without cancellation.
 std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
   const std::size_t n = s.size() - 1;
   std::vector<double> step(n), factor(n);
@@ -187,6 +195,7 @@ void keep_area(const Drawing& drawing, Pieces& all) {
 
 }  // namespace
 
+/// Corners stay where they are, but for the seam of a whole circle, which is a point like the others.
 Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, bool curved) {
   Pieces all{drawing.corners, {}};
   std::vector<bool> mouth(drawing.corners.size(), false);

@@ -1,3 +1,10 @@
+// Free ends of cracks, their room, and patches around them. A patch is a disc of triangles with edges 1 at the tip that
+// grow by `grading` up to `radius`, meshed on the upper half and mirrored, so that the mesh at a tip is its own mirror
+// image in the crack: without that, slip at a closed tip makes a false pressure, see docs/theory/fracture.md, "False
+// pressure at sliding tips". It is put at its place scaled by the edge at the tip, along an arc bent with it. Patches
+// come in few kinds: radii in steps of a half, gradings in steps of 1/20. The drawing around them has a hole in place
+// of each, whose sides are edges of the mesh.
+
 #include "geometry/mesher/tips.hpp"
 
 #include <algorithm>
@@ -26,6 +33,7 @@ double least_distance(const Strand& strand, const Vec2& x) {
 }
 
 /// Where a point of the frame of the tip lies: x along the crack and beyond it, y across.
+/// Along an arc x is a length along the circle and y a distance from it: a bent patch keeps its radial edges.
 Vec2 beside_crack(const Drawing& drawing, const TipEnd& tip, const Vec2& x) {
   const Strand& strand = drawing.strands[tip.strand];
   const Vec2& at_tip = drawing.corners[std::size_t(tip.corner)];
@@ -43,6 +51,7 @@ Vec2 beside_crack(const Drawing& drawing, const TipEnd& tip, const Vec2& x) {
 
 }  // namespace
 
+/// A corner with one strand. Arcs whose circle is further away than the room so far are not looked at.
 std::vector<TipEnd> free_ends(const Drawing& drawing) {
   std::vector<int> degree(drawing.corners.size(), 0);
   for (const Strand& s : drawing.strands) {
@@ -87,6 +96,7 @@ Shape half_disc(const PatchKind& kind) {
       .outline = {"patch", {left, right, rim}}, .holes = {}, .cracks = {}, .labels = {"crack", "rim"}, .regions = {}};
 }
 
+/// Points of the rim come first, counter-clockwise from the crack; points on the axis are shared by both halves.
 Patch mirrored(const Mesh& half) {
   const std::size_t n = half.points.size();
   std::vector<bool> on_axis(n, false), on_rim(n, false);
@@ -126,6 +136,8 @@ Patch mirrored(const Mesh& half) {
   return patch;
 }
 
+/// The rim's edges must not be longer than what the field asks for around it: grading = (h/size - 1)/radius from the
+/// least h.
 bool fit(PatchPlace& place, const Drawing& drawing, const SizeField& field, double most) {
   double radius = std::min(most, std::floor(2 * share * place.tip.room / place.size) / 2);
   for (; radius >= least_radius; radius -= 0.5) {
@@ -160,6 +172,7 @@ Patch put(const Patch& patch, const Drawing& drawing, const PatchPlace& place) {
   return there;
 }
 
+/// The crack ends on point 0 of the patch; an arc ends at the angle of that point, a turn of at most half away.
 Drawing without(Drawing drawing, const std::vector<Patch>& patches, Index first_loop) {
   for (const Patch& patch : patches) {
     const Index first = Index(drawing.corners.size()), loop = first_loop++;

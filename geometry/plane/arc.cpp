@@ -1,3 +1,6 @@
+// Arcs x(t) = center + axes (cos t, sin t), circles and ellipses. The semi-axes are the singular values of `axes`:
+// their sum and difference squared are |axes|^2 +- 2 |det|.
+
 #include "geometry/plane.hpp"
 
 #include <algorithm>
@@ -59,6 +62,7 @@ bool faces(const Arc& arc, const Vec2& x) {
   return angle <= std::abs(arc.to - arc.from);
 }
 
+/// At half a turn the sign of the angle is rounding: counter-clockwise then.
 Arc arc_between(const Vec2& a, const Vec2& b, const Vec2& given) {
   const Vec2 along = (b - a).normalized();
   const Vec2 center = given + along * along.dot(0.5 * (a + b) - given);

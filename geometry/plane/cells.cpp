@@ -1,3 +1,5 @@
+// Segments filed in square cells by their boxes, with a counting sort.
+
 #include "geometry/plane/cells.hpp"
 
 namespace kerf {

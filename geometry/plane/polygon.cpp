@@ -1,3 +1,5 @@
+// Whether a point lies inside polygons, by the even-odd rule along a ray to the right.
+
 #include "geometry/plane.hpp"
 
 namespace kerf {

@@ -1,3 +1,5 @@
+// Points and segments: nearest points, distances, crossings by the signs of four cross products.
+
 #include "geometry/plane.hpp"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // Which straight pieces cross, touch or overlap: a sweep over the pieces sorted by their left ends.
+// Pieces of arcs are halved until their chords say what the arcs do: two pieces with sagittas p, q that are further
+// apart than p + q + gap do not meet. Pieces that share a point may meet there, but not in a wedge of less than 1e-5.
+// The sweep compares every pair whose boxes meet; of all meetings the one with the lowest pair of strands is told,
+// loops before cracks, so that the message does not depend on the order of the sweep.
 
 #include "geometry/shape/drawing.hpp"
 
@@ -65,6 +69,7 @@ bool of_one(const Strand& s, const Strand& t) {
   return s.loop == t.loop && s.crack == t.crack && s.region == t.region;
 }
 
+/// The later strand comes second: a crack is told about the loop that it meets, a region about anything.
 std::string words(const Shape& shape, const Strand& s, const Strand& t, const Meeting& m, double extent) {
   const std::string at = "at " + place(m.at, extent);
   const char* verb = m.how == How::Crosses ? "crosses" : m.how == How::Touches ? "touches" : "overlaps";
@@ -137,6 +142,7 @@ struct Tolerance {
   double gap, near;
 };
 
+/// The chord with the larger sagitta is halved; which of its ends is shared goes with the halves.
 Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Shared& shared,
                 const Tolerance& tolerance) {
   const auto& [gap, near] = tolerance;

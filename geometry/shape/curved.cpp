@@ -1,3 +1,5 @@
+// The arcs of a shape, and a mesh with chords in place of its curved edges.
+
 #include "geometry/curved.hpp"
 
 #include "kerf/folded.hpp"

@@ -1,3 +1,10 @@
+// A shape as corners and smooth strands between them, the body on their left: sides of loops in order, cracks between
+// kinks, ends and junctions, sides of regions. Ends of cracks within 1e-6 of the extent of a side are moved onto it and
+// cut it: a straight side in two, a whole circle at its seam. Loops that run the wrong way are turned. The nearest
+// point of a straight strand is exact; on an arc the stationarity condition (x(t) - y) . x'(t) = 0 is bisected between
+// samples, as many as the eccentricity asks for. Everything that looks at a shape (find_problem, the mesher, carving)
+// looks at this drawing.
+
 #include "geometry/shape/drawing.hpp"
 
 #include "geometry/interfaces.hpp"
@@ -103,6 +110,8 @@ void cut(Drawing& drawing, std::size_t k, double s, Index corner) {
 }
 
 /// The corner for the end x of a crack: on the side that it reaches, or a tip of its own.
+/// A crack that ends on a whole circle first turns the circle so that it begins there; a second one cuts it in two
+/// halves.
 Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
   const double join = join_tolerance * drawing.extent;
   Foot best{0, infinity};
@@ -145,6 +154,7 @@ Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
 
 }  // namespace
 
+/// For a side on an arc int x cross dx = cross(center, b - a) + det(axes) (to - from), both from the same origin.
 double signed_area(const Loop& loop) {
   double twice = 0;  // the integral of x cross dx
   if (loop.sides.empty()) return 0;
@@ -181,6 +191,7 @@ double length(const Drawing& drawing, const Strand& strand) {
   return (drawing.corners[std::size_t(strand.to)] - drawing.corners[std::size_t(strand.from)]).norm();
 }
 
+/// Ends of all cracks come first, as they cut sides: strands of cracks are added once those of loops are final.
 Drawing draw(const Shape& shape) {
   Drawing drawing;
   drawing.extent = extent(shape);

@@ -1,4 +1,10 @@
 // Regions that touch: sides that they share with each other, with the outline and with holes; paths of interfaces.
+// Sides that coincide are first made to do so from corner to corner: corners within 1e-6 of the extent become one, and
+// corners of others cut a strand. Then one strand stays for all that are one curve, with the region on its left and
+// what lies on its right (`beyond`); what a region shares with a loop is the loop's. Of regions that overlap one must
+// contain the other, the smaller counts: nesting follows from points just inside each region. A crack that is made of
+// sides of regions is an interface and takes their strands. Paths between two regions end where a third one or a loop
+// comes in.
 
 #include "geometry/interfaces.hpp"
 #include "geometry/shape/drawing.hpp"
@@ -64,6 +70,7 @@ class Sharing {
     for (std::size_t v = 0; v < instead_.size(); ++v) instead_[v] = Index(v);
   }
 
+  /// Corners first: cuts are counted in the strands between them.
   void share() {
     merge_corners();
     std::vector<std::vector<InterfaceCut>> cuts(drawing_.strands.size());
@@ -133,6 +140,7 @@ class Sharing {
 };
 
 /// Which regions contain which.
+/// Regions of equal area that contain each other's points overlap: neither is the inner one.
 struct Nesting {
   std::vector<double> area;
   std::vector<Index> around;  // the innermost one that contains the region, or none
@@ -361,6 +369,8 @@ Drawing shared_regions(const Shape& shape, Nesting* nesting = nullptr) {
 
 }  // namespace
 
+/// Points of the crack first, which is cheap and settles most; then the lengths of the sides that it is made of must
+/// add up to its own.
 std::vector<bool> along_regions(const Shape& shape) {
   std::vector<bool> along(shape.cracks.size(), false);
   if (shape.regions.empty() || shape.cracks.empty()) return along;
@@ -401,6 +411,7 @@ std::vector<bool> along_regions(const Shape& shape) {
   return along;
 }
 
+/// Strands of cracks come before those of regions (Drawing::strands).
 void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along) {
   Sharing(drawing).share();
   unite(drawing, nest(drawing, shape));

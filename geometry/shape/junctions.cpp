@@ -1,4 +1,8 @@
 // Where cracks meet one another: shared ends, ends and kinks on a strand, crossings.
+// In three steps: corners of two cracks within 1e-6 of the extent become one; ends and kinks near a strand of another
+// crack are moved onto it and cut it; strands that cross cut each other at a new corner, unless a corner is there
+// already. Crossings of lines and circles are computed directly. Corners on loops never move. The result is cut strands
+// that share corners.
 
 #include "geometry/shape/drawing.hpp"
 
@@ -18,6 +22,7 @@ struct JunctionCut {
 };
 
 /// Where two strands cross.
+/// s on the first, t on the second, both from 0 to 1.
 struct Crossing {
   double s, t;
   Vec2 at;
@@ -121,6 +126,8 @@ double place_on_arc(const Arc& arc, const Vec2& x) {
   return 0.5 + beyond_middle(arc, x) / (arc.to - arc.from);
 }
 
+/// Two circles: `along` is the distance of the common chord from the first center. Differences of squares are written
+/// as products.
 std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const Strand& q) {
   std::vector<Crossing> found;
   const auto offer = [&](double s, double t, const Vec2& at) {
@@ -160,6 +167,8 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
   return found;
 }
 
+/// A crossing near a corner that both strands have already is that corner: ends that were moved onto a strand cross it
+/// again by rounding.
 void cut_at_crossings(Joiner& j) {
   each_pair(j, [&](std::size_t k, std::size_t l) {
     for (const Crossing& c : crossings(j.drawing, j.strand(k), j.strand(l))) {

@@ -1,4 +1,8 @@
 // What makes a shape unusable, cheapest checks first.
+// Numbers and counts first, then lengths and arcs, then the drawing: crossings and touches (crossings.cpp), interfaces,
+// sides to be kept, cracks that come back to themselves, wedges below a degree, and places (a hole outside, a crack in
+// a hole), which are only asked once it is known that nothing crosses. Tolerances are parts of the extent: 1e-9 apart
+// (touch_tolerance), 1e-6 joined (join_tolerance). Messages name the loop, side or crack and a place.
 
 #include "geometry/interfaces.hpp"
 #include "geometry/shape/drawing.hpp"
@@ -41,6 +45,7 @@ bool usable(const Arc& arc) {
          std::isfinite(arc.to);
 }
 
+/// 1e100: squares and products of two coordinates stay finite.
 Problem numbers(const Shape& shape) {
   for (std::size_t l = 0; l < loop_count(shape); ++l) {
     const std::vector<Side>& sides = loop(shape, l).sides;
@@ -190,6 +195,7 @@ Problem beyond_loops(const Shape& shape, const Drawing& drawing,
 }
 
 /// Loops and cracks are known not to cross: each lies on one side of every other.
+/// A box first, then some twenty points: most pairs are settled by their boxes.
 Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
   // A box says most of what there is to say: arcs bulge from it by less than their chords are long.
   struct Box {

@@ -1,3 +1,9 @@
+// Shapes: constructors of loops and cracks, lengths and areas, polygons of loops within a chord error, the extent (the
+// diagonal of the box around the outline).
+// The extent of an arc x(t) = c + A (cos t, sin t) is at its ends or where a component of x' is 0: t = atan2(A_k2,
+// A_k1) + n pi for component k. A piece of turn s on a circle of radius r lies r (1 - cos(s/2)) off its chord, and is
+// at most r s long; for an ellipse r is the larger semi-axis, which is safe.
+
 #include "kerf/shape.hpp"
 
 #include "geometry/shape/drawing.hpp"
@@ -58,6 +64,7 @@ double area(const Shape& shape) {
   return sum;
 }
 
+/// Counter-clockwise whatever the loop's own direction, labels going with their pieces.
 Polygon flatten(const Loop& loop, double chord, double longest) {
   if (!(chord > 0) || !(longest > 0))
     throw Error(Fault::Geometry,

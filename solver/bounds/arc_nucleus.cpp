@@ -23,6 +23,7 @@ struct ArcPotential {
   struct Value {
     Complex f, d, dd;
   };
+  /// The root has its cut where (z - b)/(z - a) lies on the ray opposite `turn`^2, which is the arc.
   Value operator()(const Complex& z) const {
     const Complex from = z - a, m = (z - b) / from, root = std::sqrt(m / (turn * turn)) * turn,
                   dm = (b - a) / (from * from), ddm = -2.0 * dm / from;
@@ -40,6 +41,8 @@ ArcPotential potential_of(const ArcTip& tip, const Complex& amplitude) {
   const Complex ahead = complex_of(tip.frame.col(0)), root = std::sqrt((a - b) / ahead / (p.turn * p.turn)) * p.turn;
   const Complex first = -2.0 * amplitude * ahead / root;
   // conj(D) = phi'(0)
+  // phi = C Q + D (z - a) Q with |((z - a) Q)'(0)| < 1: with s = C Q'(0) and o that derivative, conj(D) = s + o D gives
+  // D.
   const Complex slope = p(0).d * first, other = ArcPotential{a, b, p.turn, 0, 1}(0).d;
   p.D = (std::conj(slope) + std::conj(other) * slope) / (1 - std::norm(other));
   p.C = first;

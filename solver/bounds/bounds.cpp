@@ -1,3 +1,12 @@
+// Two-sided bounds of the potential energy Pi of the exact solution u [Prager, Synge 1947; theory: B.1],
+//   -1/2 (A q, q) + <u_D, q n>  <=  Pi(u)  <=  1/2 (C eps(v), eps(v)) - l(v),
+// with q in equilibrium and v continuous, from the solution on the mesh: solver/bounds/statics.cpp balances the stress,
+// conforming.cpp makes v, triangle_bounds.cpp corrects both inside each triangle, and this file sums up. The interval
+// is widened by what the polynomials of the data leave out [theory: B.7, B.8, B.9, B.10], by the rest of an eigenstrain
+// [theory: B.28], by rounding, measured as the work of what tractions lack in balance, and along arcs by an estimate of
+// what the body has beyond the polynomials of its edges. `guaranteed` is false where one of these is an estimate that
+// counts. docs/theory/bounds.md derives all of it, docs/theory/guarantees.md says what it assumes.
+
 #include "kerf/bounds.hpp"
 
 #include "solver/anisotropic.hpp"
@@ -31,6 +40,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 // |grad w - its mean rotation| <= K |eps(w)| on a triangle, K^2 = 1 + 2/beta^2 with a lower bound of the inf-sup
 // constant beta of a body that sees the disk of radius r and lies in the one of radius R [Costabel, Dauge 2015]: the
 // rotation has grad omega = div of a tensor as large as eps(w).
+// r = 2 |T|/perimeter is the radius of the inscribed circle, R the distance of the farthest corner from its middle.
 double local_korn(const Triangle& t) {
   double perimeter = 0;
   Vec2 center = Vec2::Zero();
@@ -48,6 +58,7 @@ double local_korn(const Triangle& t) {
 }
 
 /// Of an edge, by the triangles beside it.
+/// An edge between two processes counts half on each, so that sums over processes count it once.
 double own_share(const Model& m, Index e) {
   double own = 0, all = 0;
   for (const Index t : m.mesh.sides[e])
@@ -55,6 +66,7 @@ double own_share(const Model& m, Index e) {
   return own / all;
 }
 
+/// In each pair of sides the tractions are those outward from either triangle: they cancel in an equilibrated stress.
 double imbalance(const Model& m, const Field& s, const std::vector<EdgeData>& data, const Conforming& conforming,
                  const std::vector<Share>& shares) {
   const Index points = points_per_edge(m.element);
@@ -94,6 +106,9 @@ Points on_edge(const Model& m, const Conforming& conforming, Index e, int side) 
   return nodal * interpolation(conforming.degree, l.bottomRows<2>()).transpose();
 }
 
+/// The pressure of contact is minus the normal traction of the left side less that of the pressure of a fluid, which is
+/// a load and no contact. `trace_basis/trace.w` turns moments against the trace functions into values at the Gauss
+/// points.
 FaceFields face_fields(const Model& m, const std::vector<EdgeData>& data, const Conforming& conforming,
                        const std::vector<Share>& shares) {
   std::vector<Index> edges;
@@ -128,6 +143,9 @@ FaceFields face_fields(const Model& m, const std::vector<EdgeData>& data, const 
 // edges, (r, w)_e = (curl psi, grad w)_T. The primitive is carried towards the apex and fades over a depth d <= H/2,
 // which takes the best value [theory: B.10]. The square of the factor of |grad w|, for component k in the frame of the
 // edge.
+// The square is |grad psi|^2 <= (2/3) d (1 + 2 q^2) |r|^2 + (2/d) |R|^2, least at d = sqrt(3 |R|^2/((1 + 2 q^2)
+// |r|^2)); `slant` is q, the largest slope of a ray from the edge to the opposite corner. Where (B.7) gives less, that
+// is taken.
 double rapid(const Model& m, const EdgeData& d, int k, double trace) {
   const double l = length(m.mesh, d.edge), square = l * d.unseen[k] * d.unseen[k],
                primitive = l * l * l * d.primitive[k] * d.primitive[k];
@@ -143,6 +161,7 @@ double rapid(const Model& m, const EdgeData& d, int k, double trace) {
 
 }  // namespace
 
+/// data: the sum of the norms that multiply K |eps(u - v)| on the triangle. Only components that are free carry a load.
 std::vector<Rest> rests_of(const Model& m, const std::vector<EdgeData>& data, const Forces& f,
                            const std::vector<std::vector<Index>>& edges, std::span<const Index> column) {
   std::vector<Rest> rests(edges.size());
@@ -220,6 +239,7 @@ constexpr const char* too_little_on_arcs =
 
 /// Of a body that nothing holds displacements that are constant see the means of a force alone, which beside curved
 /// edges do only where it is small against the mean stress: as what balances a load is.
+/// `small`: relative to the mean stress; forces below it balance sampled loads, and their moments are of that order.
 bool sees_too_little_on_arcs(const Model& m, const Forces& f, double stress) {
   if (m.mesh.arc.empty() || !unseen_couples(f)) return false;
   constexpr double small = 1e-3;
@@ -231,6 +251,7 @@ bool sees_too_little_on_arcs(const Model& m, const Forces& f, double stress) {
   return false;
 }
 
+/// The conditions under which Pi is the minimum of a convex energy over a set that both fields are admissible for.
 std::string no_energy_bounds_because(const Model& m) {
   if (const auto why = refusal(m.element, can_bound_energy)) return *why;
   if (const char* why = unavailable_on_arcs(m)) return why;
@@ -244,6 +265,8 @@ std::string no_energy_bounds_because(const Model& m) {
   return {};
 }
 
+/// Triangles with data on their edges take the rich reference, of degree `data_carriers` at least: the polynomials of
+/// the data are of degree 5, and the fields that carry them of one degree more.
 std::vector<Share> bound_triangles(const Bounding& of, const References& to, const Field& s,
                                    const Eigen::MatrixXd& statics, const std::vector<std::vector<Index>>& edges) {
   std::vector<Share> shares(edges.size());
@@ -259,6 +282,7 @@ std::vector<Share> bound_triangles(const Bounding& of, const References& to, con
 }
 
 /// Of the first triangles.
+/// Sums in the order of the triangles; of what measures rounding the largest.
 Share total(const std::vector<Share>& shares, Index triangles) {
   Share sum;
   for (const Share& share : std::span(shares).first(static_cast<std::size_t>(triangles))) {
@@ -290,6 +314,7 @@ std::string unseen_by_bounds(const Model& m) {
   return {};
 }
 
+/// Shear moduli of all regions: |eps|^2 <= energy density/mu holds with the smallest one everywhere.
 Unseen unseen(const Model& m, const Oscillation& o, double mismatch_squared, double gap) {
   double mu = shear_moduli(m.scene.material).least;  // |eps|^2 <= energy/mu
   for (const Material& material : m.scene.regions) mu = std::min(mu, shear_moduli(material).least);
@@ -312,6 +337,7 @@ namespace {
 
 /// R has zero mean: tr R = div w with w = 0 on the boundary of the triangle, |grad w| <= |tr R|/beta. v + w is
 /// admissible, and its strain less the eigenstrain moves by eps(w) - R, which has no trace.
+/// K^2 - 1 = 2/beta^2, so that |grad w| <= |tr R|/beta <= sqrt(2) |R|/beta = sqrt(K^2 - 1) |R| [theory: B.28].
 double moved_without_volume(double mu, const Triangle& t, double rest, const MovedField& on) {
   const double size = std::sqrt(area(t) * rest), gradient = size * std::sqrt(std::pow(local_korn(t), 2) - 1),
                square = 2 * mu * std::pow(size + gradient, 2);
@@ -329,6 +355,8 @@ double largest_J(const Triangle& cell) {
 
 }  // namespace
 
+/// Both estimates hold where c > 0; the one without change of volume is the smaller one as c -> 0, since `stiffness`
+/// grows like 1/(2 c). At c = 0 it is the only one.
 double moved_by_eigenstrain(const Material& material, const Triangle& t, double rest, double error,
                             const MovedField& on) {
   if (rest == 0 && error == 0) return 0;
@@ -356,6 +384,7 @@ double crossed_work(const FaceFields& pressing, const FaceFields& opening) {
 namespace {
 
 /// Over own triangles; eta of the oscillation squared.
+/// A process sums over the triangles that it owns; `energy_bounds` with Sums adds the parts of all processes.
 EnergySums own_sums(const AdmissiblePair& a, const Field& s) {
   return {.sum = a.sum,
           .imbalance = imbalance(a.m, s, a.data, a.conforming, a.shares),
@@ -372,6 +401,10 @@ EnergyBounds interval_of(const Model& m, EnergySums sums) {
 
 }  // namespace
 
+/// Of two sides with the displacements u and u + [u] the tractions t_0, t_1 do the work (t_0 + t_1) . u + t_1 . [u]. On
+/// a bonded edge the first sum must balance the load. Between faces every side must balance its own load, but for a
+/// pressure of contact along the normal, which works on what overlaps alone. A held component takes whatever traction
+/// there is.
 double imbalance_on(const Model& m, const EdgeWork& at) {
   const Index points = points_per_edge(m.element), crack = m.mesh.crack[at.edge];
   const EdgeRule& trace = m.inner->kernel.trace;
@@ -411,6 +444,9 @@ double imbalance_on(const Model& m, const EdgeWork& at) {
   return length(m.mesh, at.edge) * total;
 }
 
+/// Rounding is relative to `size`, what the sums are made of. `isochoric`: div v relative to the largest gradient where
+/// c = 0; above it alpha w has not made the strain free of trace. `negligible`: an estimated part of the widening below
+/// 1 % of the gap leaves the word "guaranteed".
 EnergyBounds energy_interval(const Model& m, const EnergySums& of) {
   EnergyBounds result;
   const Share& sum = of.sum;
@@ -478,6 +514,8 @@ void fill(const Field& solved, const Eigen::MatrixXd& statics, int inside, bool 
   a.sum = total(a.shares, own_triangles(m));
 }
 
+/// Order: reasons that forbid bounds, data, the balanced stress, the two fields, and the sums. `keep` also keeps the
+/// fields at the points of the rules, which products of two states need.
 AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
   AdmissiblePair a{.m = m};
   if (const std::string why = no_energy_bounds_because(m); !why.empty()) a.bounds = {nan, nan, 0, false, why};
@@ -490,6 +528,8 @@ AdmissiblePair made(const Model& m, const Field& s, int inside, bool keep) {
     a.bounds = lost(infinity, too_little_on_arcs);
     return a;
   }
+  // With the couples the displacement fits the stress better, which pairs of states use; the bounds of one energy hold
+  // without that.
   Eigen::VectorXd moved;
   const Eigen::MatrixXd statics = static_interior(m, s, a.f.couple, &moved);
   // The displacement follows the couples, too, which the element does not see of the body force. Their response is of
@@ -522,6 +562,7 @@ int degree_inside(const Model& m, bool with_body, bool with_eigenstrain) {
       {stress_degree(m.element), m.element.trace + (with_body ? 2 : 1), with_eigenstrain ? strain_degree : 0});
 }
 
+/// One process after the other could stop for its own reason: every reason is agreed upon by all before anyone returns.
 EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, const OpenSolve& open) {
   AdmissiblePair a{.m = m};
   std::string why = no_energy_bounds_because(m);
@@ -548,6 +589,7 @@ EnergyBounds energy_bounds(const Model& m, const Field& s, const Sums& sums, con
   a.sum.above += a.beyond_arcs;
   EnergySums own = own_sums(a, s);
   own.on_arcs = here[1] > 0;
+  // What is a sum over triangles or edges is added over processes; measures of rounding take the largest.
   std::array<double*, 11> added{&own.sum.lower,
                                 &own.sum.upper,
                                 &own.sum.size,

@@ -1,3 +1,16 @@
+// The continuous displacement v of the upper bound [theory: B.1], from the recovered displacement u* of the solution
+// [theory: R.1]: polynomials of degree trace + 1 by their nodes. Steps, each of which leaves alone what the one before
+// has set:
+// 1. averages of u* at the nodes, with the weights |T| mu, one per side of a crack that may open;
+// 2. corners: prescribed values, and openings 0 <= [v].n <= what the edges beside can hold;
+// 3. edges: prescribed values by a fit of degree 7, elsewhere the mean of the multiplier,
+//   int_e v = int_e multiplier, so that int_T div v = int_T 2 c tr s (+ the eigenstrain)      [theory: B.6];
+// 4. unilateral cracks: Bernstein coefficients of [v].n at least 0, the mean kept;
+// 5. bubbles on held edges for what degree trace + 1 misses of the prescribed values. Step 3 is what lets div v be
+// corrected inside each triangle, and keeps the bound finite as c -> 0. The second half of the file does the same for
+// several fields side by side, on straight triangles without contact. See "An admissible displacement" in
+// docs/theory/bounds.md.
+
 #include "solver/bounds/conforming.hpp"
 
 #include "solver/anisotropic.hpp"
@@ -17,6 +30,8 @@ namespace kerf {
 
 namespace {
 
+/// Evenly spaced points s = i/n with the weights of their interpolation polynomial: int p = sum w_i p(s_i) for p in
+/// P_n.
 EdgeRule even(int n) {
   EdgeRule rule{Eigen::VectorXd::LinSpaced(n + 1, 0, 1), Eigen::VectorXd(n + 1)};
   const EdgeRule exact = gauss(n + 1);
@@ -37,6 +52,8 @@ struct Opening {
 };
 
 // The point nearest to j with 0 <= n_i.j <= most_i. Zero is one.
+// The feasible set is a polygon in the plane of jumps, so that the nearest point is j itself, a foot on one line, or a
+// crossing of two: all are tried. `parallel`: lines whose crossing is not determined by their normals.
 Vec2 project(const Vec2& j, const std::vector<Opening>& openings) {
   struct Line {
     Vec2 n;
@@ -66,6 +83,9 @@ Vec2 project(const Vec2& j, const std::vector<Opening>& openings) {
 
 // The copies of a vertex where several cracks meet, moved as little as possible until 0 <= opening <= most on every
 // edge: those without room, and then those found to take too much, are held at it.
+// x = start + within open' f, f >= 0 the forces of a small contact problem (C.6) on the rows that are free; `regular`
+// keeps its matrix definite where rows depend on each other. Every round holds one row more at least, so that the loop
+// ends. Where the rows cannot all be met the copies are closed, which is admissible.
 void open_junction(const std::vector<Index>& copies, const std::vector<Opening>& openings, Points& v) {
   const Eigen::Index n = 2 * static_cast<Eigen::Index>(copies.size());
   const Index count = static_cast<Index>(openings.size());
@@ -122,6 +142,7 @@ struct Held {
   double value;
 };
 
+/// Moves v to the line of the first component, or to the point where two that are not parallel agree.
 Vec2 obey(Vec2 v, const std::vector<Held>& held) {
   const Held* first = nullptr;
   for (const Held& h : held) {
@@ -142,6 +163,7 @@ Vec2 obey(Vec2 v, const std::vector<Held>& held) {
 
 // The nodes: corners (one per side of a crack that may open), then degree - 1 per edge (twice at such cracks), in the
 // direction of the edge. Interior ones are no concern of the neighbors.
+// The number of a node on an edge counts along the edge; a triangle that has the edge on its right counts backward.
 struct Nodes {
   int degree;
   Mesh mesh;  // bonded cracks are none
@@ -155,6 +177,7 @@ struct Nodes {
   Index corner(Index t, Index vertex) const {
     return corners.of[t][corner_at(mesh, t, vertex)];
   }
+  /// Per place of lattice(degree) the number of the node, none inside the triangle.
   std::vector<Index> of(Index t) const {
     std::vector<Index> nodes(dim(degree), none);
     for (int i = 0; i < 3; ++i) {
@@ -173,6 +196,7 @@ struct Nodes {
   }
 };
 
+/// The faces of a bonded crack share their nodes.
 Nodes make_nodes(const Model& m, int degree) {
   Nodes n{degree, m.mesh, {}, {}, 0};
   for (Index& crack : n.mesh.crack)
@@ -188,6 +212,7 @@ Nodes make_nodes(const Model& m, int degree) {
 }
 
 // Averages, weighted by area and stiffness, at the nodes of u*, which stays in `nodal` at the interior ones.
+// A stiff neighbour counts more, since a wrong displacement costs it more energy.
 Points averages(const Model& m, const Field& s, const Nodes& nodes, Eigen::MatrixXd& nodal) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const Points at = lattice(nodes.degree);
@@ -215,6 +240,7 @@ Points averages(const Model& m, const Field& s, const Nodes& nodes, Eigen::Matri
 }
 
 // Mean over an edge of the multiplier on one of its sides, in the frame of the edge.
+// The multiplier of the right side of a crack is that of the left plus the jump.
 Vec2 mean_trace(const Model& m, const Field& s, Index e, int side) {
   Vec2 mean = Vec2::Zero();
   for (Eigen::Index g = 0; g < m.inner->kernel.trace.w.size(); ++g)
@@ -237,6 +263,7 @@ Vec2 mean_in_frame(const Model& m, const Field& s, Index e) {
   return skeleton.frame[e].transpose() * mean;
 }
 
+/// At least 0: the mean over the edge of what the discrete solution opens.
 double mean_opening(const Model& m, const Field& s, Index e) {
   return std::max(0.0, mean_trace(m, s, e, 1).x() - mean_trace(m, s, e, 0).x());
 }
@@ -251,6 +278,8 @@ void on_unilateral_edges(const Model& m, Visit&& visit) {
 // Supports at the corners, and openings there that leave every crack edge room for its mean opening: with the Bernstein
 // coefficients c_i of an opening of degree n, mean = sum c_i/(n + 1), all c_i can be >= 0 when c_0 + c_n <= (n + 1)
 // mean.
+// c_0 and c_n are the openings at the ends. An edge is shared by two vertices, so that its room is divided between them
+// first, and each vertex is then projected by itself.
 void correct_corners(const Model& m, const Field& s, const Nodes& nodes, const std::vector<EdgeData>& data, Points& v) {
   std::map<Index, std::vector<Held>> held;  // per corner
   std::map<Index, std::vector<Held>> at_vertex;
@@ -325,6 +354,8 @@ Points edge_values(const Nodes& nodes, const Points& v, Index e, int side) {
 
 // Bernstein coefficients of the opening made >= 0 with the mean kept, half the change on either side.
 // Returns how far the coefficients at the ends are below 0: rounding.
+// With inner coefficients c_i and s = sum c_i, the positive ones are scaled by s/sum max(c_i, 0) and the others set to
+// 0, which keeps the sum and so the mean. The nodes at the ends do not move.
 double correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, const Vec2& n, Index e, Points& v) {
   const int degree = nodes.degree;
   const Eigen::VectorXd values = (edge_values(nodes, v, e, 1) - edge_values(nodes, v, e, 0)).transpose() * n;
@@ -344,6 +375,8 @@ double correct_opening(const Nodes& nodes, const Eigen::MatrixXd& bernstein, con
 }
 
 // Prescribed components of an edge as linear + s (1 - s) p, p of degree 5 by moments, the ends given.
+// mass p = moment, with mass = int s (1 - s) b_i b_j and moment = int b_i (u_D - linear): the rest of u_D is orthogonal
+// to polynomials of degree 5.
 struct Fit {
   EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points);
   Eigen::MatrixXd basis = traces(carrier, sample.s);
@@ -379,6 +412,7 @@ Eigen::RowVectorXd towards_data(const Fit& fit, const EdgeRule& rule, const Eige
   }
   return change;
 }
+/// 6 s (1 - s) has mean 1 over the edge.
 Eigen::RowVectorXd bubble_of_mean(const EdgeRule& rule, double rest) {
   Eigen::RowVectorXd change = Eigen::RowVectorXd::Zero(rule.s.size());
   for (Eigen::Index i = 1; i + 1 < rule.s.size(); ++i) change[i] = 6 * rule.s[i] * (1 - rule.s[i]) * rest;
@@ -387,6 +421,7 @@ Eigen::RowVectorXd bubble_of_mean(const EdgeRule& rule, double rest) {
 
 // Through a curved edge flows what the multiplier lets through, so that the mean of the divergence over a triangle is
 // that of 2 c tr s there as well: a bubble along the normal of the chord.
+// int v . n |dx/ds| ds, n of the curve, is set to that of the multiplier; `flux`: that of the unit bubble.
 void correct_flux(const Model& m, const Field& s, const Nodes& nodes, Index e, int side, Points& v) {
   const Skeleton& skeleton = m.inner->skeleton;
   const auto normal_at = [&](double at) -> Vec2 {  // times |dx/ds|
@@ -455,11 +490,15 @@ Eigen::MatrixXd bernstein_on_edge(int degree) {
 
 // What a supported edge still misses: bubbles that the triangle adds, and what even those leave. `here`: what is there,
 // in the frame of the edge.
+// `mismatch` collects 2 mu times the square of what is missed, with the largest shear modulus: the energy of an
+// extension of it into the body is estimated from that sum (bounds.cpp, `unseen`).
 class Bubbles {
  public:
   explicit Bubbles(const Model& m)
       : m_(m), degree_(m.element.trace + 1), at_carrier_(traces(even(degree_), fit_.carrier.s)) {}
 
+  /// On the edge l_a l_b = s (1 - s): v + s (1 - s) bubble is linear + s (1 - s) p, p of the fit. Elsewhere in the
+  /// triangle the product l_a l_b p((1 + l_b - l_a)/2) keeps the two other edges as they are.
   void add(const EdgeData& d, const Points& here, Conforming& result) const {
     if (d.bent) {
       add_bent(d, here, result);
@@ -488,6 +527,7 @@ class Bubbles {
 
  private:
   /// On a roller along a curve both components are fitted to the part of what is there along the curve.
+  /// v - (n . v) n is no polynomial where n turns: what the fit leaves across the curve counts as missed.
   void add_bent(const EdgeData& d, const Points& here, Conforming& result) const {
     const Skeleton& s = m_.inner->skeleton;
     const Mat2& frame = s.frame[d.edge];
@@ -542,6 +582,7 @@ void add_bubbles(const Model& m, const Nodes& nodes, const std::vector<EdgeData>
 
 }  // namespace
 
+/// The order of the steps matters: corners decide what edges may do, edges what their openings are.
 Conforming conforming_displacement(const Model& m, const Field& s, const std::vector<EdgeData>& data) {
   const int degree = m.element.trace + 1;
   const Nodes nodes = make_nodes(m, degree);
@@ -565,6 +606,7 @@ Conforming conforming_displacement(const Model& m, const Field& s, const std::ve
   return result;
 }
 
+/// Once per mesh. Nodes inside triangles get numbers of their own behind all others, so that one loop serves all nodes.
 Averaging averaging(const Model& m) {
   const Nodes nodes = make_nodes(m, m.element.trace + 1);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size()), edges = static_cast<Index>(m.mesh.edges.size());
@@ -596,6 +638,7 @@ namespace {
 using Row = Eigen::Array<double, 1, lanes>;
 
 // The conforming displacements of fields side by side, step by step as of one.
+// A row of `lanes` numbers per node and component; edges are walked once for all of them.
 class LaneAverages {
  public:
   LaneAverages(const Averaging& by, const Model& m, const LaneStates& states,
@@ -636,6 +679,7 @@ class LaneAverages {
     return m_.inner->skeleton.frame[e].transpose() * here;
   }
 
+  /// In the order of the triangles, by one thread: the sum of a node takes its triangles in the same order each time.
   void average() {
     v_.resize(by_.count, 2);
     v_.clear();
@@ -648,6 +692,7 @@ class LaneAverages {
       }
   }
 
+  /// Supports alone, as there is no contact: duals have values of their own at the same corners.
   void correct_corners(int lane) {
     std::map<Index, std::vector<Held>> held;
     for (const EdgeData& d : data_[static_cast<std::size_t>(lane)])
@@ -663,6 +708,7 @@ class LaneAverages {
     }
   }
 
+  /// All duals have the same edges with data and hold the same components there, so that the first one tells where.
   void correct_edges() {
     const EdgeRule rule = even(by_.degree);
     const Fit fit;

@@ -1,3 +1,12 @@
+// Intervals of quantities of bodies whose cracks may be in contact, without friction. With J(k) the least energy under
+// the loads L + k l the quantity is Q = known - J'(0) [theory: B.13], and two theorems bound J'(0) by energies at -k, 0
+// and k, whatever the sets of contact are:
+//   concavity: J(k) - k^2 J_tied is concave, J(k) - k^2 J_open convex      [theory: B.14, B.15];
+//   crossed works: -J'(0) <= (Pi_-k(v_-) - Pi*_k(p_+) + int P_+ [v_-]_n)/(2 k), alike from below  [theory: B.16].
+// All energies are replaced by their bounds on the safe side. A small k costs gap/k, a large one the change of the
+// contact set; k is taken from a model of the width that is fitted to the steps before. docs/theory/bounds.md,
+// "Quantities of bodies whose cracks may be in contact". The formulas themselves are in solver/bounds/load_steps.cpp.
+
 #include "kerf/bounds.hpp"
 
 #include "kerf/adjoint.hpp"
@@ -36,6 +45,7 @@ std::string sampled_in_sums(const Model& m) {
 }
 
 /// The solution under the loads of m with faces that slide and neither open nor overlap.
+/// All rows in contact are held at [w]_n = 0, a tangent cone without one-sidedness: one linear solve.
 Field sliding(const Model& m) {
   const std::vector<bool> held(m.inner->ordering.contact_rows, true);
   return TangentSolver(m, held).solve(m.inner->system.tractions, m.inner->skeleton.prescribed);
@@ -43,6 +53,8 @@ Field sliding(const Model& m) {
 
 /// The width of an interval at the step k, as far as three numbers tell: gap/k + bend k + cross k^2. The ends of
 /// contact move by O(k), there pressures are O(k^1/2) and openings O(k^3/2).
+/// The product of a pressure O(k^1/2) and an opening O(k^3/2) over a length O(k) is O(k^3), divided by k. See "Order"
+/// in docs/theory/bounds.md.
 struct Width {
   double gap, bend, cross;
   double at(double k) const {
@@ -94,6 +106,7 @@ struct ContactQuantityBounds::Impl {
   mutable std::optional<Model> free;  // the body with free faces
 
   /// J(-k) and J(k); `w`: the loads l.
+  /// Two solves with the factor of the body, one for each sign.
   LoadSteps steps(const Scene& w, double k, Search& search) const {
     std::array<EnergyBounds, 2> of;
     std::array<FaceFields, 2> faces;
@@ -115,6 +128,8 @@ struct ContactQuantityBounds::Impl {
     return energy_bounds(model, solve(model));
   }
 
+  /// gap/k + bend k is least at k = sqrt(gap/bend). Every step costs two solves, and the intervals are intersected: all
+  /// hold.
   Search by_chords(const Scene& w, const EnergyBounds& tied) const {
     Search search;
     search.rely_on(energy);
@@ -135,6 +150,8 @@ struct ContactQuantityBounds::Impl {
   }
 
   /// `scale`: of the energy of w.
+  /// The first step knows the energy of w alone; the next ones the width at the step before, in its three parts.
+  /// `worth`: less than a tenth to be gained is not worth two solves.
   Search by_works(const Scene& w, double scale) const {
     Search search;
     const double gap = std::max(gap_of(energy), 0.0);
@@ -155,6 +172,7 @@ struct ContactQuantityBounds::Impl {
     return search;
   }
 
+  /// Concavity needs an upper bound of J_tied; crossed works take the energy of the tied solution for a scale alone.
   Bounded bound(const Scene& w, const Known& known, const std::string& estimate) const {
     const std::string sums = sampled_in_sums(m), &coarse = estimate.empty() ? sums : estimate;
     const Model dual = with_loads(m, w);

@@ -1,4 +1,12 @@
 // The products of two states that differences of energies are made of.
+// Let L and U be the lower and the upper bound of (B.1) as quadratic functions of the admissible fields and the data.
+// Then
+//   Pi(u + k w) lies between L(u) + 2 k L(u, w) + k^2 L(w) and U(u) + 2 k U(u, w) + k^2 U(w), and so
+//   | -(Pi(u + k w) - Pi(u - k w))/(2 k) + L(u, w) + U(u, w) |  <=  (gap(u) + k^2 gap(w))/(2 k)      [theory: B.12],
+// which is least at k^2 = gap(u)/gap(w): the square root of the two gaps. The admissible fields of u and of w are
+// enough, for every k. What the data leave out [theory: B.9], the rest of eigenstrains [theory: B.28], rounding, and on
+// curved cells the two rules and the arcs [theory: B.40] widen it. docs/theory/bounds.md, "Stresses at points, K and
+// G".
 
 #include "base/parallel.hpp"
 #include "solver/anisotropic.hpp"
@@ -18,6 +26,7 @@ namespace kerf {
 namespace {
 
 /// A p : q.
+/// Of stresses that are symmetric up to rounding; components in the order 11, 12, 21, 22.
 double compliance_product(const Material& m, const Eigen::Vector4d& p, const Eigen::Vector4d& q) {
   const double differences = (p[0] - p[3]) * (q[0] - q[3]), traces = (p[0] + p[3]) * (q[0] + q[3]);
   double sum = (0.5 * differences + p[1] * q[1] + p[2] * q[2]) / (2 * m.mu) + m.c * traces;
@@ -27,6 +36,7 @@ double compliance_product(const Material& m, const Eigen::Vector4d& p, const Eig
 }
 
 /// C d : e of displacement gradients less eigenstrains.
+/// Without compressibility (c = 0) the deviators alone: neither strain has a trace.
 double stiffness_product(const Material& m, const Eigen::Matrix3d& C, const Eigen::Vector4d& d,
                          const Eigen::Vector4d& e) {
   if (!isotropic(m)) return Eigen::Vector3d(d[0], d[3], d[1] + d[2]).dot(C * Eigen::Vector3d(e[0], e[3], e[1] + e[2]));
@@ -36,6 +46,7 @@ double stiffness_product(const Material& m, const Eigen::Matrix3d& C, const Eige
 }
 
 /// Component k of the tractions of one on the values prescribed for the other.
+/// At the Gauss points of the trace, where the prescribed values are those of the skeleton.
 double work_of_support(const EdgeSide& of, const EdgeSide& on, int k) {
   const EdgeData& d = of.data;
   const EdgeRule& trace = of.m.inner->kernel.trace;
@@ -48,6 +59,7 @@ double work_of_support(const EdgeSide& of, const EdgeSide& on, int k) {
 }
 
 /// Of the terms of that work in any direction: a component that vanishes is as precise as the others are.
+/// It measures rounding only: |t| |u_D| at every Gauss point.
 double size_at_support(const EdgeSide& of, const EdgeSide& on) {
   const EdgeData& d = of.data;
   const EdgeRule& trace = of.m.inner->kernel.trace;
@@ -110,6 +122,8 @@ Products inside_curved(const AdmissiblePair& u, const AdmissiblePair& w, Index t
   return {lower[0], upper[0] - 0.5 * force.dot(a.kept_weight.row(0)), size, rules};
 }
 
+/// a(u, w)/2 and the halves of the two works f_u . v_w and f_w . v_u; the eigenstrain of one works on the stress of the
+/// other.
 Products inside(const AdmissiblePair& u, const AdmissiblePair& w, Index t) {
   if (u.shares[t].kept_weight.cols() > 0) return inside_curved(u, w, t);
   const TriangleRule& rule = u.edges[t].empty() ? u.plain : u.rich;
@@ -169,6 +183,7 @@ Products products(const AdmissiblePair& u, const AdmissiblePair& w) {
   return sum;
 }
 
+/// What the products presume: the same rules in every triangle, the same edges with data in the same order.
 bool fit(const AdmissiblePair& u, const AdmissiblePair& w) {
   return u.plain.w.size() == w.plain.w.size() && u.rich.w.size() == w.rich.w.size() &&
          std::ranges::equal(u.data, w.data, [](const EdgeData& a, const EdgeData& b) {
@@ -177,6 +192,7 @@ bool fit(const AdmissiblePair& u, const AdmissiblePair& w) {
 }
 
 /// Whose interval is narrowest. Loads of w that act on held edges alone move nothing: what they work is known.
+/// With gap(w) = 0 the interval shrinks as k grows; k ends where gap(u)/k reaches the last digit of the middle.
 double best_step(double own, double other, double middle) {
   if (!(own > 0)) return 1;
   if (other > 0) return std::sqrt(own / other);
@@ -186,6 +202,7 @@ double best_step(double own, double other, double middle) {
 
 }  // namespace
 
+/// Both need finite bounds of their own: these stand for everything that must hold for either field to be admissible.
 CrossEnergy cross_energy(const AdmissiblePair& u, const AdmissiblePair& w) {
   for (const AdmissiblePair* of : {&u, &w})
     if (!std::isfinite(of->bounds.upper - of->bounds.lower)) return {.note = of->bounds.note};
@@ -216,6 +233,7 @@ Products crossed_fields(const Material& material, double area, const TriangleRul
   return sum;
 }
 
+/// Loads on held components are part of both forms, as in the bounds of one state (triangle_bounds.cpp).
 Products crossed_on_edge(const EdgeSide& u, const EdgeSide& w) {
   static const EdgeRule carrier = gauss(data_carriers);
   const double l = length(u.m.mesh, u.data.edge);
@@ -245,6 +263,8 @@ double together(double u, double w, double k) {
   return std::pow(std::sqrt(std::max(u, 0.0)) + k * std::sqrt(std::max(w, 0.0)), 2);
 }
 
+/// `largest`: the gap of u + k w is at most (gap(u)^1/2 + k gap(w)^1/2)^2, and that of u - k w, too. `unseen` is that
+/// of one energy below and one above, as the two signs of k need them.
 CrossEnergy cross_interval(const Model& m, const CrossSide& u, const CrossSide& w, const Products& p,
                            const std::function<Oscillation(double k)>& oscillation,
                            const std::function<double(double k)>& strain) {

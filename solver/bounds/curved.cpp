@@ -1,3 +1,12 @@
+// The shares of triangles with curved edges in the bounds of the energy. Fields live on the triangle of the chords and
+// are carried to the body by its map Phi, D = grad Phi, J = det D, k the degree of the element's stress:
+//   sigma = S D'/J + curl beta,  beta = D B/J,  div B = (S D')_12 - (S D')_21,  B in H^1_0      [theory: B.29],
+// symmetric and with the loads of S, and v + alpha D W/J with div W = J (tr(A S D'/J) + tr e - div v). Right-hand sides
+// are polynomials of degree n + k, so that the right inverse of straight triangles serves. Energies are integrals of
+// rational functions: two rules on the thirds of the triangle are taken, and doubt_of_rules times their difference is
+// added on both sides. What the body has beyond the polynomials of its edges is estimated. docs/theory/bounds.md,
+// "Curved triangles".
+
 #include "solver/bounds/curved.hpp"
 
 #include "solver/anisotropic.hpp"
@@ -23,6 +32,7 @@ struct Place {
   std::array<Mat2, 2> D_by;
   Vec2 J_by;
 
+  /// Derivative of the determinant: J_,i = J tr(D^-1 D_,i).
   Place(const Triangle& cell, const Vec2& l) {
     const CellMap map = cell_map(cell, l);
     D = map.D;
@@ -40,11 +50,14 @@ struct Place {
   }
 };
 
+/// S D': the stress on the body times J.
 Mat2 piola(const Eigen::Vector4d& S, const Mat2& D) {
   return (Mat2() << S[0], S[1], S[2], S[3]).finished() * D.transpose();
 }
 
 /// B in H^1_0 with div B = wanted, at a point of the rule.
+/// The right inverse is that of the triangle of reference; this is Piola's map from there to the triangle of the
+/// chords.
 struct Corrected {
   const CurvedReference& r;
   Mat2 map, inverse;
@@ -69,6 +82,7 @@ Mat2 free_at(const Eigen::Matrix4Xd& free, Eigen::Index q) {
   return free.cols() == 0 ? Mat2(Mat2::Zero()) : Mat2(tensor(free.col(q)));
 }
 
+/// The trace of A s, in the plane.
 double strain_trace(const Material& m, const Mat2& s) {
   double trace = 2 * m.c * s.trace();
   if (!isotropic(m)) trace += orthotropic_strain(m, s(0, 0), s(1, 1), 0.5 * (s(0, 1) + s(1, 0))).head<2>().sum();
@@ -98,6 +112,8 @@ double strain_work(const Material& m, const Eigen::Matrix3d& C, const Mat2& g, c
 
 }  // namespace
 
+/// Rules of degree 2 (n + k) and 2 (n + k) - 4. The points of both lie in one list, third by third, as right_inverse
+/// takes them.
 CurvedReference curved_reference(int n, int k) {
   const int degree = n + k;
   const TriangleRule good = split_rule(2 * degree), other = split_rule(2 * degree - 4);
@@ -125,6 +141,8 @@ CurvedReference curved_reference(int n, int k) {
 
 // s = S D'/J + curl beta with beta = D B/J, div B = J times the asymmetry: curl of what vanishes on the edges has
 // neither divergence nor normal trace there.
+// By both rules at once; `rest`: the stress is also asked for as J p on the triangle of the chords, where the rest of
+// the eigenstrain is orthogonal to polynomials.
 void add_complementary_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
                               const Eigen::Matrix4Xd& stress, const CurvedStrain& free, Share& share, bool keep,
                               bool rest) {
@@ -169,6 +187,8 @@ void add_complementary_energy(const CurvedReference& r, const Triangle& cell, co
   }
 }
 
+/// As on straight triangles: the energy e + alpha b + alpha^2 a of the strain g + alpha h, g = grad v - e, h the
+/// gradient of D W/J, all at the points of both rules. alpha minimises by the better rule.
 void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Material& material,
                         const Eigen::Matrix4Xd& stress, const CurvedStrain& free, const Points& load, const Points& v,
                         Share& share, bool keep) {
@@ -240,9 +260,12 @@ void add_elastic_energy(const CurvedReference& r, const Triangle& cell, const Ma
 
 namespace {
 
+/// How many times the area between an arc and its polynomial counts [theory: B.29].
 constexpr double several = 4;
 
 /// visit(point, distance times length, stress of the state on a side, its material) along the arc of an edge.
+/// The distance is measured in the coordinates where the ellipse is the unit circle, and taken back by the larger
+/// semi-axis: not less than the distance to the arc.
 template <class Visit>
 void along_arc(const Model& m, const Field& s, Index e, const Visit& visit) {
   static const EdgeRule rule = gauss(data_points);
@@ -261,6 +284,7 @@ void along_arc(const Model& m, const Field& s, Index e, const Visit& visit) {
   }
 }
 
+/// |A s| is at most |s| (1/(2 mu) + 2 c), as |tr s| <= sqrt(2) |s|.
 double strain_size(const Material& m, const Mat2& stress) {
   return stress.norm() * (1 / (2 * m.mu) + 2 * m.c);
 }
@@ -277,6 +301,8 @@ double beyond_arcs(const Model& m, const Field& s) {
   return total;
 }
 
+/// G leaves the arc free and not its polynomial: what it works there on the state is of the size of the area between
+/// them.
 double beyond_crack(const Model& m, const Field& s, Index crack, const Nucleus& G) {
   double total = 0;
   for (const CrackEdge& c : m.mesh.cracks[crack])

@@ -1,3 +1,14 @@
+// The loads of dual problems. A quantity Q that is linear in the state u is
+//   Q(u) = int t . G + l(u)      [theory: B.12],
+// with a field G that is singular at a point or a tip [Bueckner 1970]; l are the tractions -sigma_G n on the boundary
+// and on the faces of other cracks, and -G on the supports. In bodies of one material without body force and
+// eigenstrain G reaches through the whole body (global_dual). Elsewhere G is cut off by a factor chi that falls from 1
+// to 0 within a disc (local_dual): with g = sym(grad chi x G)
+//   Q = int chi f . G + int_faces chi t . G + int (sigma_G grad chi) . u - int g : sigma      [theory: B.20],
+// so that the dual has the body force sigma_G grad chi and the eigenstrain -g. Mean displacements and forces of
+// supports have loads without a singular field [theory: B.24]. docs/theory/bounds.md derives them;
+// solver/bounds/nucleus.cpp has the G.
+
 #include "solver/bounds/dual.hpp"
 
 #include "geometry/plane.hpp"
@@ -39,6 +50,7 @@ Vec2 nothing(const Vec2&, const Vec2&) {
 
 }  // namespace
 
+/// The body, its laws and its supports, with no load and supports at 0.
 Scene at_rest(const Model& m) {
   Scene s;
   s.material = m.scene.material;
@@ -64,6 +76,8 @@ Scene unloaded(const Model& m) {
 namespace {
 
 /// How far a curved edge is from its chord, at most.
+/// q has the coefficients of the deviation from the chord, which is s (1 - s) (q_0 + q_1 s + q_2 s^2): at most 1/4 of
+/// the sum of their norms.
 double bulge(const Model& m, Index e) {
   const Bow* bow = bow_at(m.inner->skeleton.bows, e);
   return bow ? 0.25 * (bow->q[0].norm() + bow->q[1].norm() + bow->q[2].norm()) : 0;
@@ -82,6 +96,7 @@ double clear_of_arcs(const Model& m, const Vec2& x) {
 }
 
 /// Of a place, which is a line at most, to the segment from a to b.
+/// 0 where they cross, else the least distance of an end of one from the other.
 double gap(const StressPlace& place, const Vec2& a, const Vec2& b) {
   if (crossing(place.from, place.to, a, b)) return 0;
   return std::min({distance(place.from, a, b), distance(place.to, a, b), distance(a, place.from, place.to),
@@ -108,6 +123,8 @@ std::string unresolved(const Model& m, const StressPlace& singular, Index own) {
 
 }  // namespace
 
+/// On a face a traction enters as a pressure and a shear in the frame of the crack, n from the left to the right side:
+/// both faces get -sigma_G n of their own outward normal. Supports get -G in the components that they hold.
 DualProblem global_dual(const Model& m, const Nucleus& G, const StressPlace& singular, Index own) {
   Scene s = unloaded(m);
   for (std::size_t c = 0; c < s.laws.size(); ++c) {
@@ -155,12 +172,15 @@ Vec2 CutOffRing::slope(const Vec2& x) const {
   return slope_at({inner, outer}, middle, x);
 }
 
+/// chi = 1 within a quarter of the radius: the wider the ring, the smaller grad chi and the loads.
 std::shared_ptr<const CutOffRing> CutOffDisc::ring(Nuclei fields) const {
   constexpr double share = 0.25;
   return std::make_shared<const CutOffRing>(
       CutOffRing{middle, std::max(share * radius, solid), radius, std::move(fields)});
 }
 
+/// The eigenstrain is entered for the region of the middle alone, as the disc lies in one material. `start` is the
+/// angle of the crack, on which G jumps.
 DualProblem local_dual(const Model& m, const Nucleus& G, const CutOffDisc& disc, std::shared_ptr<const CutOffRing> ring,
                        std::size_t field) {
   const Fade fade{ring->inner, ring->outer};
@@ -254,6 +274,8 @@ Nuclei nuclei(const Material& m, const StressPlace& place) {
 }
 
 /// How much of the disc that G does not fade in leaves room for the ring beyond.
+/// The stress of G grows like 1/r at the ends of a line: chi begins to fall at 1.2 times their distance from the
+/// middle.
 double solid_part(const StressPlace& place) {
   constexpr double beyond_ends = 1.2;  // of a line, where the stress of G is not bounded
   return (place.radius > 0 ? 1 : beyond_ends) * place.reach();
@@ -289,6 +311,7 @@ StressDual::StressDual(const Model& m, const StressPlace& place)
   if (!plain_ && why_.empty()) ring_ = disc_.ring(nuclei(material_of(m.mesh, m.scene, where_), place_));
 }
 
+/// A disc or a line must be clear of all that ends the material; `least` leaves a fifth of the radius for chi to fall.
 std::string StressDual::why_not() const {
   if (!isotropic(material_of(m_.mesh, m_.scene, where_))) return "no bounds: the material there is orthotropic";
   if (place_.reach() > 0) {
@@ -320,6 +343,7 @@ DualProblem work_dual(const Model& m, const std::vector<Traction>& of) {
   return dual;
 }
 
+/// Q = l(u) with the loads of the state itself, and supports at rest: their motion is no part of the work of the loads.
 DualProblem loads_dual(const Model& m) {
   DualProblem dual{with_all_edges(m), {}, {}};
   dual.loads.eigenstrain.clear();
@@ -327,6 +351,7 @@ DualProblem loads_dual(const Model& m) {
   return dual;
 }
 
+/// a(u, u) = l(u) then, so that l(u) = -2 Pi(u) [theory: N.8, B.23].
 bool works_twice_its_energy(const Model& m) {
   return !has_eigenstrain(m.scene) &&
          std::ranges::all_of(m.inner->skeleton.prescribed, [](double u) { return u == 0; });
@@ -339,6 +364,7 @@ bool listed(const std::vector<Index>& labels, Index label) {
 }
 
 /// The displacements d.v = value of a vertex that supports prescribe.
+/// square = sum d d', right = sum value d: the least squares problem of all directions that are held at a vertex.
 struct Prescribed {
   Mat2 square = Mat2::Zero();
   Vec2 right = Vec2::Zero();
@@ -348,6 +374,8 @@ struct Prescribed {
     right += value * d;
     values += value * value;
   }
+  /// Least squares: the part of `values` that the range of sum d d' meets, against all of it. The rest is not met by
+  /// any v.
   bool contradict() const {
     constexpr double rounding = 1e-9;
     const Eigen::SelfAdjointEigenSolver<Mat2> held(square);
@@ -389,6 +417,7 @@ std::string no_reaction(const Model& m, const std::vector<Index>& labels, int co
   return {};
 }
 
+/// The support moves by -e_i: Q = e_i . int sigma n over the components that are held.
 DualProblem reaction_dual(const Model& m, const std::vector<Index>& labels, int component) {
   DualProblem dual{unloaded(m), {}, {}};
   for (Support& support : dual.loads.supports)
@@ -399,6 +428,8 @@ DualProblem reaction_dual(const Model& m, const std::vector<Index>& labels, int 
   return dual;
 }
 
+/// An edge that any of the duals loads has data in every state: shapes of the data must agree to be added up
+/// (cross_energy.cpp).
 Scene with_all_edges(const Model& m) {
   const Scene rest = unloaded(m);
   Scene s = m.scene;             // what is known of its data stays known
@@ -409,6 +440,8 @@ Scene with_all_edges(const Model& m) {
   return s;
 }
 
+/// The state's own tractions stay entries of their own, with what is known of them; values of supports and pressures
+/// are added up to functions of which nothing is known (sampled_in_sums in contact_quantity.cpp).
 Scene superposed(const Scene& u, const Scene& w, double k) {
   Scene s = u;
   s.body = sum(u.body, k, w.body);

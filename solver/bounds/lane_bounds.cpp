@@ -1,3 +1,14 @@
+// Bounds of the works between one state u and up to `lanes` duals w_i in one pass over the triangles [theory: B.30];
+// the section "Many at once" of docs/theory/bounds.md derives it. Per triangle T the admissible stress p and
+// displacement v of every dual are made as in triangle_bounds.cpp, side by side in one SIMD row, and the sums
+//   Pi_T(w_i) = -1/2 (A p, p),  1/2 (C eps(v), eps(v)) - (f, v)    and the bilinear    Pi_T(u, w_i)
+// are taken. Fields are coefficients in functions that are orthonormal on the triangle [theory: B.42], so that an
+// integral of a product is a sum over modes and u enters with its own coefficients alone. In the ring of a dual that is
+// cut off [theory: B.20] its body force and eigenstrain add the terms of loads, in a larger set of modes. Triangles
+// with data on their edges take the duals one by one through Bounding. Straight triangles, isotropic compressible
+// materials, and a state without eigenstrain only; sums run over fixed blocks of triangles, so that bits do not depend
+// on the number of threads.
+
 #include "solver/bounds/lane_bounds.hpp"
 
 #include "base/parallel.hpp"
@@ -17,6 +28,7 @@ using Row = Eigen::Array<double, 1, lanes>;
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// c = A b for fields side by side; the rows of b are `stride` lanes apart.
+/// Four rows of A at a time share the loads of b; the order of the sums over k is the same in both loops.
 void product(const Matrix& A, const double* b, Eigen::Index stride, double* c) {
   const Eigen::Index rows = A.rows(), inner = A.cols();
   Eigen::Index i = 0;
@@ -37,6 +49,8 @@ void product(const Matrix& A, const double* b, Eigen::Index stride, double* c) {
 }
 
 /// Sums over triangles, per field.
+/// `lower`, `upper`: shares of the dual's own bounds; `size`: what they are sums of in absolute value, for rounding;
+/// `below`, `above`: by how much the rest of its eigenstrain may move them; `crossed_*`: the products with u.
 struct Sums {
   Row lower = Row::Zero(), upper = Row::Zero(), size = Row::Zero(), below = Row::Zero(), above = Row::Zero();
   Row crossed_lower = Row::Zero(), crossed_upper = Row::Zero(), crossed_size = Row::Zero();
@@ -63,6 +77,8 @@ struct LaneMat {
   Row m[2][2];
 };
 /// The four components are `stride` numbers apart.
+/// With x the gradient of X, div X = g on the triangle of reference, this is that of the field of divergence g on the
+/// body: J (grad X) J^-1/det J by Piola's map for the right-hand side det J g, and the two det J cancel.
 LaneMat rotated_gradients(const Mat2& J, const double* x, Eigen::Index stride, const Mat2& inverse) {
   Row by[2][2];
   for (int k = 0; k < 2; ++k) {
@@ -97,6 +113,8 @@ class LaneBounding {
     sum_over_triangles();
   }
 
+  /// Nothing, instead of a poor interval, where the imbalance of the stress is above the share `few_digits` of the
+  /// energy: the caller then solves for that dual alone, with refinement.
   std::optional<CrossEnergy> of(int lane) const {
     const auto i = static_cast<std::size_t>(lane);
     const Model& dual = *duals_[i].model;
@@ -123,11 +141,13 @@ class LaneBounding {
   }
 
  private:
+  /// Buffers of one thread: rows of `lanes` numbers, components one after the other.
   struct Room {
     std::vector<double> fields, stress, tensor, asymmetry, curl, wanted, correction, nodal, gradient, displacement, own;
     RingRows ring;
   };
 
+  /// The blocks are of a fixed size and are added in their order: the result does not depend on who computed which.
   void sum_over_triangles() {
     constexpr Index block = 512;
     const Index triangles = static_cast<Index>(u_.m.mesh.triangles.size()), blocks = (triangles + block - 1) / block;
@@ -144,6 +164,7 @@ class LaneBounding {
     for (int lane = 0; lane < states_.count; ++lane) {
       Products p;
       const std::vector<EdgeData>& data = data_[static_cast<std::size_t>(lane)];
+      // Works on the edges of the data are few: one by one, after the triangles, in the order of the data.
       for (std::size_t i = 0; i < data.size(); ++i)
         p.add(crossed_on_edge(
             {u_.m, u_.data[i], u_.conforming.value[i], u_.shares[data[i].triangle].tractions},
@@ -183,6 +204,7 @@ class LaneBounding {
   }
 
   /// Component k, x or y, of the conforming displacements at the nodes of a triangle.
+  /// The values lie side by side per node; here components come first, as the matrices of the modes want them.
   void gather(Index t, double* nodal) const {
     const int n = by_.per_triangle;
     for (int i = 0; i < n; ++i) {
@@ -192,6 +214,8 @@ class LaneBounding {
     }
   }
 
+  /// In a triangle where some duals have a ring and others do not, the pass is made twice, each for its own lanes by a
+  /// mask of zeros and ones; a triangle that is in no ring takes the small set of modes alone.
   void inside(Index t, Room& room, Sums& sums) {
     const Triangle shape = triangle(u_.m, t);
     const Mat2 J = jacobian(shape.x), inverse = J.inverse();
@@ -257,6 +281,8 @@ class LaneBounding {
     }
   }
 
+  /// From the monomials of the eigenstrain and the nodal values of the body force to modes of the ring; lanes that have
+  /// no load here stay 0.
   void gather_loads(Index t, unsigned mask, Room& room) const {
     const Modes& modes = *own_.ring;
     RingRows& to = room.ring;
@@ -292,6 +318,9 @@ class LaneBounding {
   }
 
   /// The stress with what the element does not see of the body force.
+  /// `unseen_` maps modes of a body force to those of a stress without normal trace whose divergence is what the
+  /// element does not see of it. Piola's map of a row is J row/det J; det J cancels against that of the right-hand
+  /// side.
   const double* whole_stress(const Cell& cell, Room& room) const {
     const Modes &low = own_.low, &modes = *own_.ring;
     const Eigen::Index n = modes.polynomials, moved = dim(by_.degree);
@@ -316,6 +345,7 @@ class LaneBounding {
     return room.tensor.data();
   }
 
+  /// As Bounding::tractions, from values at the nodes of the stress.
   void put_tractions(Index t, const Triangle& shape, Room& room) {
     const Eigen::Index points = u_.m.inner->kernel.trace.w.size();
     for (int e = 0; e < 3; ++e) {
@@ -367,6 +397,10 @@ class LaneBounding {
   }
 
   /// As Bounding::lower.
+  /// With modes orthonormal in the mean over T, (a, b)_T = |T| sum_r a_r b_r. The modes r < n are polynomials, which
+  /// the stress has beside the curl; the others only the curl reaches. In a ring the first `strains` modes are the
+  /// polynomials of degree 4 that the rest of the eigenstrain does not work on: what the stress has in the others is
+  /// its `square`.
   void lower(const Cell& cell, const Way& way, Room& room, Sums& sums, RingSums& of_ring) const {
     const Modes& modes = way.modes;
     const Eigen::Index n = modes.polynomials, count = modes.count;
@@ -407,6 +441,7 @@ class LaneBounding {
     sums.size += way.active * (half * energy + cell.area * freed.abs());
     sums.crossed_lower -= way.active * half * crossed;
     sums.crossed_size += way.active * half * size;
+    // A sum of |coefficient| times the peak of its mode is at least the largest value.
     of_ring.stress = largest[0].max(largest[1]).max(largest[2]);
   }
 
@@ -427,6 +462,9 @@ class LaneBounding {
   }
 
   /// As Bounding::upper.
+  /// e, b, a: the energy of v + alpha w is e + alpha b + alpha^2 a per area. with_g and with_h: the products of u's
+  /// strain with those of v and of w. Modes of v end at `slopes`, those of an eigenstrain at `strains`. c > 0
+  /// throughout, so that alpha minimises.
   void upper(const Cell& cell, const Way& way, Room& room, Sums& sums, RingSums& of_ring) {
     const Modes& modes = way.modes;
     const Eigen::Index count = modes.count, slopes = dim(u_.m.element.trace);
@@ -485,6 +523,7 @@ class LaneBounding {
     put_size(cell.t, way.active, moved, (cell.area * ww).sqrt() * alpha.abs());
   }
 
+  /// Lanes are written once per pass: those that are not active keep what the other pass wrote.
   void put_size(Index t, const Row& active, const Row& largest, const Row& rough) {
     Eigen::Map<Row> first(size_.at(t)), second(size_.at(t) + lanes);
     first = (active > 0).select(largest, first);
@@ -534,6 +573,8 @@ class LaneBounding {
   }
 
   /// What the rest of the eigenstrain may move the bounds by.
+  /// force bounds |(f, w)| over w in H^1_0(T) by |grad w|: h/pi |f| by Poincare, and what the polynomial of f leaves
+  /// out.
   void put_ring(const Cell& cell, const Way& way, const RingSums& of, Sums& sums) {
     const Eigen::Index moved = dim(by_.degree);
     Row pull = Row::Zero();
@@ -556,6 +597,7 @@ class LaneBounding {
   }
 
   /// As that of two states.
+  /// The state has no eigenstrain, so that the rest of u + k w is k times that of w: its mean square has k^2.
   double eigenstrain_unseen(int lane, double k) const {
     const auto i = static_cast<std::size_t>(lane);
     if (!duals_[i].ring) return 0;
@@ -573,6 +615,7 @@ class LaneBounding {
   }
 
   /// A triangle with data on its edges, field by field.
+  /// Such triangles lie along boundaries and loaded cracks and are few; their rule and degree are higher.
   void beside_data(Index t, Sums& sums) {
     const std::vector<Index>& edges = u_.edges[static_cast<std::size_t>(t)];
     std::vector<double> nodal(static_cast<std::size_t>(2 * by_.per_triangle) * lanes);
@@ -603,6 +646,7 @@ class LaneBounding {
     }
   }
 
+  /// Pi is quadratic: the bilinear form has half of each load's work on the displacement of the other.
   Products crossed_beside_data(Index t, const Share& share, const RingLoads* ring, Index column) const {
     const Share& own = u_.shares[static_cast<std::size_t>(t)];
     const double size = area(triangle(u_.m, t));
@@ -621,6 +665,8 @@ class LaneBounding {
     return p;
   }
 
+  /// Inner edges that carry nothing and lie in no crack are summed side by side; at all others imbalance_on knows the
+  /// cases.
   void sum_imbalance() {
     const Model& m = u_.m;
     const Skeleton& skeleton = m.inner->skeleton;
@@ -655,6 +701,7 @@ class LaneBounding {
     for (int lane = 0; lane < lanes; ++lane) imbalance_[static_cast<std::size_t>(lane)] += total[lane];
   }
 
+  /// One field of the many, as imbalance_on wants it.
   EdgeWork work_at(Index e, const std::array<const double*, 2>& side, Index place, int lane) const {
     const Skeleton& skeleton = u_.m.inner->skeleton;
     const Index rows = skeleton.per_edge;
@@ -672,6 +719,7 @@ class LaneBounding {
   }
 
   /// What the data of u + k w and of u - k w leave out, or those of w.
+  /// Both signs of k have the same bound, since each factor of u and w is at least 0.
   Oscillation oscillation(const std::vector<Rest>& rests, int lane, double k, bool with_u) const {
     Oscillation o;
     double square = 0;
@@ -714,6 +762,7 @@ Forces of_degree(int degree) {
 
 }  // namespace
 
+/// Triangles with data on their edges have no modes: their products are taken at the points of the rich rule.
 LaneOwn::LaneOwn(const AdmissiblePair& pair, bool cut_off)
     : u(pair),
       averages(averaging(pair.m)),
@@ -754,6 +803,7 @@ LaneOwn::LaneOwn(const AdmissiblePair& pair, bool cut_off)
   });
 }
 
+/// One pass makes all sums; each dual then has its own oscillation and its own best step k.
 std::vector<std::optional<CrossEnergy>> cross_energies(const LaneOwn& own, std::span<const LaneDual> duals,
                                                        const LaneRings& rings, LaneRoom& room) {
   const LaneBounding bounding(own, duals, rings, room);

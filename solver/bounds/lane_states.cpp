@@ -1,3 +1,12 @@
+// The solutions of up to `lanes` dual problems of one model at once [theory: B.30]: all right-hand sides through one
+// factor,
+//   K x_i = F_i,
+// then per triangle the fields inside, R_T P_T x_i, and the recovered displacements u* [theory: R.1] at the nodes that
+// the conforming displacement is averaged at. Whatever depends on the triangle alone (the factors of R_T, the values at
+// points) is made once for all of them. Duals that are cut off add, in the triangles of their rings, what their loads
+// do there with the edges at rest, and C e to the stress, so that its strain is the whole gradient. Rigid motions that
+// nothing holds are taken out in the mean of squares. See "Many at once" in docs/theory/bounds.md.
+
 #include "solver/bounds/lane_states.hpp"
 
 #include "base/parallel.hpp"
@@ -19,6 +28,8 @@ using Row = Eigen::Array<double, 1, lanes>;
 
 /// K x = F for all, those with more than rounding left corrected by it as long as that pays. Returns false where it
 /// stays large.
+/// `enough`: relative to the largest load, rounding of the substitution; a residual between `least` and `enough` is
+/// accepted where a correction does not halve it, a larger one is not. A column of zeros is solved exactly.
 bool solve_rows(const Model& m, const Eigen::MatrixXd& F, Eigen::MatrixXd& x) {
   constexpr double enough = 1e-12, least = 1e-10;
   constexpr int most = 3;
@@ -52,6 +63,7 @@ bool solve_rows(const Model& m, const Eigen::MatrixXd& F, Eigen::MatrixXd& x) {
 }
 
 /// Per unknown of the skeleton, prescribed ones included.
+/// A prescribed value belongs to its dual; rows of the system are shared.
 void spread(const Model& m, std::span<const LaneDual> duals, const Eigen::MatrixXd& x, LaneArray& skeleton) {
   const Index total = m.inner->skeleton.total;
   skeleton.resize(total, 1);
@@ -81,6 +93,8 @@ struct Moments {
 };
 
 /// Takes out the motions that no support holds, in the mean of squares.
+/// For each field the combination sum_k a_k m_k with G a = (int u . m_k), G = (int m_j . m_k) over the body, is
+/// subtracted from multipliers, fields inside, and nodal values alike: the three stay those of one displacement.
 void take_out_motions(const Model& m, const Moments& moments, LaneStates& s) {
   const std::vector<RigidMotion>& motions = m.inner->floating;
   const Skeleton& skeleton = m.inner->skeleton;
@@ -158,6 +172,8 @@ void LaneArray::clear() {
   std::fill_n(values_.get(), size_, 0.0);
 }
 
+/// What the pass does not know: curved cells, penalties of incompressible bodies, contact, unknowns at vertices, traces
+/// that no triangle sees, orthotropic materials. Such duals are solved one by one.
 bool can_solve_together(const Model& m) {
   const std::vector<Material> all = all_materials(m.scene);
   return m.mesh.arc.empty() && is_mixed(m.element) && is_definite(m.element) &&
@@ -180,6 +196,7 @@ void add_interior(std::span<const LaneDual> duals, const LaneRings& rings, Index
 }
 
 /// Adds C e to stresses at the points of the rule, so that their strain is the whole gradient.
+/// C e = (tr e)/(4 c) I + 2 mu dev e; with the stress s of the element eps(u*) = A s + e = A (s + C e).
 void add_strains(const Model& m, std::span<const LaneDual> duals, const LaneRings& rings, Index t, double* fields) {
   const Material& material = material_of(m.mesh, m.scene, t);
   const Points& at = m.inner->kernel.rule.x;
@@ -201,6 +218,8 @@ void add_strains(const Model& m, std::span<const LaneDual> duals, const LaneRing
 
 }  // namespace
 
+/// Triangles are independent once the multipliers are known. The rigid motion that is taken out before the elimination
+/// (strain_lanes) and put back after it keeps digits where a triangle moves far and strains little.
 bool solve_together(const Model& m, std::span<const LaneDual> duals, const LaneRings& rings, LaneStates& s) {
   const Kernel& kernel = m.inner->kernel;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());

@@ -1,3 +1,6 @@
+// The two intervals of -J'(0) from bounds of the energies J(-k), J(0), J(k): by concavity [theory: B.15] and by crossed
+// works [theory: B.16]. Every energy enters on the side that makes the interval wider.
+
 #include "solver/bounds/load_steps.hpp"
 
 #include <algorithm>
@@ -8,6 +11,8 @@ Interval intersection(const Interval& a, const Interval& b) {
   return {std::max(a.low, b.low), std::min(a.high, b.high)};
 }
 
+/// Three pairs: two chords to 0 with the curvature of one side each, and the central difference with half of the
+/// difference.
 Interval by_concavity(const LoadSteps& s, const Enclosed& zero, const Curvature& c) {
   const double k = s.k;
   // The tangent of J(k) - k^2 tied at 0 lies above it, that of J(k) - k^2 open below.

@@ -1,3 +1,7 @@
+// Functions orthonormal in the mean over a triangle that span polynomials and what the right inverse of the divergence
+// makes of them [theory: B.42]: a QR factorization of their values at the points of the rule, times the roots of its
+// weights.
+
 #include "solver/bounds/modes.hpp"
 
 #include "base/dense.hpp"
@@ -10,12 +14,16 @@ namespace kerf {
 namespace {
 
 /// Monomials about the middle, a row per point.
+/// About the centroid and scaled, monomials are far from dependent.
 Eigen::MatrixXd centred(int degree, const Points& l) {
   return monomials(degree, 2 * (l.array() - 1.0 / 3).matrix()).transpose();
 }
 
 }  // namespace
 
+/// A triangular R keeps the polynomials of lower degree before the others. The gradients of right inverses are made
+/// orthogonal to the polynomials twice, for rounding, and what is left has the rank of a pivoted QR, 1e-10 of its
+/// largest pivot. The rule must be exact for products of two of these functions.
 Modes::Modes(const TriangleReference& r, const Element& e, int degree_of)
     : degree(degree_of), polynomials(dim(degree_of)), nodes(lattice(degree_of)), weights(r.rule.w) {
   const Eigen::VectorXd root = weights.cwiseSqrt();

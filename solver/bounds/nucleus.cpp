@@ -1,3 +1,13 @@
+// The singular fields G whose reciprocal work with a state is a stress at a point, its mean over a disc or along a
+// line, or K at a tip of a straight crack [theory: B.11; Bueckner 1970]; the table of amplitudes is in
+// docs/theory/bounds.md, "Stresses at points, K and G", the means in "Means, displacements and forces" [theory: B.21,
+// B.22]. Complex potentials [Muskhelishvili 1953], z the place from the point in the frame, kappa = 8 mu/E' - 1:
+//   2 mu u = kappa phi - z conj(phi') - conj(psi),
+//   s11 + s22 = 4 Re phi',   s22 - s11 + 2 i s12 = 2 (conj(z) phi'' + psi');
+// about a straight crack with phi' = Phi and a second function Omega, here the same one:
+//   2 mu u = kappa int Phi - int Omega(conj z) - (z - conj z) conj(Phi),
+//   s11 + s22 = 4 Re Phi,   s22 - i s12 = Phi + Omega(conj z) + (z - conj z) conj(Phi').
+
 #include "solver/nucleus.hpp"
 
 #include <cmath>
@@ -9,6 +19,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// From 1/E' = (kappa + 1)/(8 mu) [theory: N.6].
 double kappa(const Material& m) {
   return 8 * m.mu / plane_modulus(m) - 1;
 }
@@ -28,6 +39,8 @@ Complex complex_number(const Vec2& x) {
 }
 
 // F(z) of the field Phi = Omega = F, with its primitive and its derivative.
+// With its other tip at distance l the field B sqrt(l)/(z sqrt(z (z + l))) has no dislocation: its primitive returns to
+// itself around both tips. sqrt((z + l)/z) has its cut where (z + l)/z < 0, on the crack alone.
 struct Potential {
   Complex F, P, D;
 };
@@ -51,6 +64,7 @@ struct TipPotential {
 namespace {
 
 /// Of phi = c/z, psi = d/z.
+/// Amplitudes E'/(8 pi) and 4 times that make the reciprocal work 1 for a unit of each part of the stress.
 struct Amplitudes {
   Complex c = 0;
   double d = 0;
@@ -70,6 +84,7 @@ Amplitudes amplitudes(const Material& m, PointStress part) {
 
 }  // namespace
 
+/// phi = c/z and psi = d/z in the formulas above; the stress falls like 1/r^2, the displacement like 1/r.
 Nucleus point_nucleus(const Material& m, const Vec2& x, PointStress part) {
   const double mu = m.mu, k = kappa(m);
   const auto [c, d] = amplitudes(m, part);
@@ -95,6 +110,7 @@ Complex inverse(const Complex& z) {
 
 }  // namespace
 
+/// As point_nucleus, with the powers of 1/z computed once: a ring of triangles asks for all three at every point.
 Nuclei point_nuclei(const Material& m, const Vec2& x) {
   const double mu = m.mu, k = kappa(m);
   std::array<Amplitudes, 3> all;
@@ -113,6 +129,8 @@ Nuclei point_nuclei(const Material& m, const Vec2& x) {
 }
 
 // As a point, and psi = c R^2/z^3 beside it: then the displacement on the circle is linear, and goes on so inside.
+// The field of a uniform eigenstrain in the disc of an infinite body [Eshelby 1957]. Its stress inside is not made: G
+// is asked for there for displacements only.
 Nucleus disc_nucleus(const Material& m, const Vec2& center, double radius, PointStress part) {
   const double mu = m.mu, k = kappa(m), square = radius * radius;
   const auto [c, d] = amplitudes(m, part);
@@ -151,6 +169,7 @@ Nucleus line_nucleus(const Material& m, const Vec2& from, const Vec2& to, PointS
           }};
 }
 
+/// The amplitude of mode II is -i times that of mode I.
 Nucleus tip_nucleus(const Material& m, const Vec2& tip, const Mat2& frame, double length, int mode) {
   const double size = plane_modulus(m) / (8 * std::sqrt(2 * pi)), mu = m.mu, k = kappa(m);
   const TipPotential potential{mode == 1 ? Complex(size) : Complex(0, -size), length};

@@ -1,3 +1,12 @@
+// The data as polynomials, and what these leave out [theory: B.7, D.3]; docs/theory/bounds.md, "What the polynomials
+// leave out". Per triangle the L2 projection f_h of the body force onto polynomials of degree trace + 1 (of J f on
+// curved triangles),
+//   left_out = h/pi |f - f_h|,   h the diameter, with the rest that enclosures prove [theory: D.4];
+// per edge the moments of tractions against polynomials of degree 5, as values at 6 Gauss points, what the element does
+// not see of them (`unbalanced`), and the square of what degree 5 leaves of degree 7. Components are those of the frame
+// of the edge. Crack faces under pressure have one entry for either side, supports and tractions on the same edge share
+// one.
+
 #include "solver/bounds/polynomial_data.hpp"
 
 #include "solver/system.hpp"
@@ -13,6 +22,7 @@
 
 namespace kerf {
 
+/// M c = int basis f with M = int basis basis': the rule must be exact for products of two such polynomials.
 Eigen::MatrixXd projection(int degree, const TriangleRule& rule) {
   const Eigen::MatrixXd basis = interpolation(degree, rule.x);  // of the Lagrange functions at the points
   const Eigen::MatrixXd weighted = rule.w.asDiagonal() * basis;
@@ -31,6 +41,9 @@ double diameter(const Triangle& t) {
   return h;
 }
 
+/// couple: the element balances the force that it sees, a mean on each triangle where displacements are constant; the
+/// moment of the rest about the centroid asks for a mean asymmetry of the stress of the same size. On a curved cell a
+/// constant antisymmetric stress of asymmetry g has the mean g tr(D)/2 there, which `turn` divides by [theory: B.29].
 Forces forces(const Model& m) {
   const Element& e = m.element;
   Forces f;
@@ -74,6 +87,7 @@ Forces forces(const Model& m) {
       f.couple[t] /= turn * rule.w;
     }
   });
+  // Below 1000 roundings of the largest force nothing is left to correct.
   f.balanced = rest.maxCoeff() <= 1e3 * std::numeric_limits<double>::epsilon() * size.maxCoeff();
   if (f.balanced || (e.displacement > 0 && m.mesh.arc.empty())) f.couple.resize(0);
   return f;
@@ -81,6 +95,7 @@ Forces forces(const Model& m) {
 
 namespace {
 
+/// The worst resolution of all that acts on the edge: proved, sampled, open.
 void note_open(EdgeData& d, const EdgeValues& given) {
   if (given.how == Resolution::Open) d.how = Resolution::Open;
   if (given.how == Resolution::Sampled && d.how == Resolution::Proved) d.how = Resolution::Sampled;
@@ -91,6 +106,8 @@ using Sampled = Eigen::Matrix<double, 2, data_points>;
 
 // A pressure and a shear on a face whose normal turns, per length of the chord and in its frame. What a product with
 // the normal leaves out is at most the longest normal times the rest.
+// Data are sampled on the curve; slope/l is dx/ds over the length of the chord, whose rotation is the normal times
+// |dx/ds|.
 void along_bow(const Model& m, const EdgeValues& given, EdgeData& d, Sampled& at) {
   const EdgeRule sample = gauss(data_points);
   const double l = length(m.mesh, d.edge);
@@ -107,6 +124,7 @@ void along_bow(const Model& m, const EdgeValues& given, EdgeData& d, Sampled& at
 }
 
 // Both sides of the cracks whose faces are loaded, and what acts on them, in the frame of the edge.
+// The pressure pushes the left face against the normal, the right one along it.
 void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Sampled>& load) {
   for (const LoadedCrack& c : m.inner->data.pressures)
     for (std::size_t j = 0; j < c.values.size(); ++j)
@@ -130,6 +148,7 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
 
 }  // namespace
 
+/// Frames of such an edge differ from point to point (Skeleton::bent_at).
 bool rolls_along_curve(const Model& m, Index edge) {
   const Skeleton& s = m.inner->skeleton;
   return m.mesh.label[edge] != none && s.bent_at[edge] != none && bow_at(s.bows, edge);
@@ -175,7 +194,9 @@ class GivenOnEdges {
     note_open(d, given);
   }
 
-  /// With pressures on cracks; loads as the polynomials of `carrier` that work the same, and what those leave.
+  /// With pressures on cracks. d.load has the moments against the trace basis at 6 points divided by the weights;
+  /// `unbalanced` is that less the same with the trace functions of the element, both at the 6 points. A held component
+  /// takes up whatever acts on it.
   std::vector<EdgeData> fitted() && {
     add_pressures(m_, data_, load_);
     const EdgeRule carrier = gauss(data_carriers), sample = gauss(data_points), &own = m_.inner->kernel.trace;

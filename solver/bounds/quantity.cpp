@@ -1,3 +1,13 @@
+// Intervals of quantities that are linear in the state, without contact: stresses at a point, over a disc or along a
+// line, K and G at tips, works of tractions, forces of supports. For the dual w of a quantity (solver/bounds/dual.cpp)
+// and any k > 0
+//   Q = known + l,   -2 k l = Pi(u + k w) - Pi(u - k w)      [theory: B.12],
+// and both energies have two sides by the admissible fields of u and w; their difference is bilinear in them, so that
+// each state is solved and made admissible once (cross_energy.cpp). Duals of all quantities that are asked for go into
+// one list, and batches of them are solved and bounded together [theory: B.30] where that is possible, else one by one.
+// What follows from several intervals (components, von Mises, G = (K_I^2 + K_II^2)/E') is interval arithmetic. Bodies
+// whose cracks may be in contact go to contact_quantity.cpp. docs/theory/bounds.md, "Stresses at points, K and G".
+
 #include "kerf/adaptive.hpp"
 #include "kerf/bounds.hpp"
 
@@ -48,6 +58,7 @@ Interval squared(const Bounded& b) {
 namespace {
 
 /// The field of a crack that starts on the boundary jumps on all of the line behind its mouth, too.
+/// A ray from just behind the mouth to beyond the body: if it meets the boundary again, the body lies on the cut of G.
 bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
   const Vec2 back = tip.vertices.back(), way = back.normalized();
   double far = 0;
@@ -60,6 +71,7 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
   return false;
 }
 
+/// Superposition asks for a linear problem: nothing one-sided, no friction.
 std::string no_quantity_because(const Model& m) {
   if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
@@ -75,6 +87,7 @@ std::string no_quantity_because(const Model& m) {
 namespace {
 
 /// A state with the loads of duals beside its own, and its admissible fields.
+/// The model has data on every edge that a dual may load (with_all_edges), which changes nothing of the state.
 struct LoadedState {
   Model m;
   AdmissiblePair pair;
@@ -83,6 +96,8 @@ struct LoadedState {
 
 }  // namespace
 
+/// Everything that is made of u alone is kept for the next quantity; hence the mutable members. Not for several
+/// threads.
 struct QuantityBounds::Impl {
   Model m;  // all of its boundary labelled
   const Field& u;
@@ -98,6 +113,8 @@ struct QuantityBounds::Impl {
   mutable LaneRoom room{};
 
   /// The degree that fits the data of both.
+  /// Both states of a pair must have polynomials of the same degree and the same rules, so that their products are sums
+  /// over the same points.
   int inside(bool cut_off) const {
     // Nothing holds it: loads that are sampled on arcs are balanced by a body force.
     const bool balanced = !m.inner->floating.empty() && !m.mesh.arc.empty();
@@ -110,6 +127,7 @@ struct QuantityBounds::Impl {
     return a->pair;
   }
 
+  /// The pair of u is made for the degree that cut-off duals need, or for the others: at most two of them.
   BoundedDual bound(const DualProblem& of) const {
     const bool cut_off = static_cast<bool>(of.loads.body);
     const AdmissiblePair& mine = admissible_state(cut_off);
@@ -121,6 +139,8 @@ struct QuantityBounds::Impl {
     return {interval(of, cross_energy(mine, admissible(dual, w, inside(cut_off)))), std::move(eta)};
   }
 
+  /// Guaranteed if the energies are, if the work of the data on G is enclosed, and if the loads of the dual are
+  /// resolved.
   static Bounded interval(const DualProblem& of, const CrossEnergy& cross) {
     if (!std::isfinite(cross.half)) return lost(cross.note);
     if (!std::isfinite(of.known.error)) return lost(not_integrated);
@@ -145,6 +165,8 @@ struct QuantityBounds::Impl {
   }
 
   /// All of them, in batches of which one pass over the triangles serves every dual.
+  /// Batches are possible on straight meshes without eigenstrain in u and without indicators, for models that
+  /// can_solve_together. A dual whose tractions are balanced by a body force (`loads_alone`) is bounded alone.
   std::vector<BoundedDual> bound_all(const std::vector<DualProblem>& duals) const {
     std::vector<BoundedDual> all(duals.size());
     const bool together = duals.size() > 1 && !with_indicators && !has_eigenstrain(m.scene) && m.mesh.arc.empty() &&
@@ -194,6 +216,7 @@ struct QuantityBounds::Impl {
   }
 
   /// Those of a ring are sampled together.
+  /// Neighbours in the list that share a ring are sampled in one call: their fields have the same places.
   std::vector<LaneDual> lane_duals(const std::vector<DualProblem>& duals, std::span<const Batched> batch,
                                    bool cut_off) const {
     std::vector<LaneDual> all;
@@ -213,6 +236,8 @@ struct QuantityBounds::Impl {
     return all;
   }
 
+  /// If the solutions of a batch are not precise enough all of it is bounded one by one, and so is a single dual whose
+  /// balance is poor: what the batch saves is time, never precision.
   void bound_together(const std::vector<DualProblem>& duals, std::span<const Batched> batch, bool cut_off,
                       std::vector<BoundedDual>& all) const {
     const AdmissiblePair& mine = admissible_state(cut_off);
@@ -244,6 +269,7 @@ struct QuantityBounds::Impl {
 namespace {
 
 /// A tip of a crack that is one arc of a circle from tip to tip, its edges those of the arc; nothing for others.
+/// `rounding`: of centers and radii relative to the radius; the two semi-axes are orthogonal and as long as each other.
 std::optional<ArcTip> arc_of_tip(const Mesh& mesh, const CrackTip& tip, const std::vector<CrackTip>& tips) {
   const auto other =
       std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == tip.crack && t.at_start != tip.at_start; });
@@ -323,6 +349,7 @@ StressDuals stress_duals(const Model& m, const StressPlace& x, std::string why) 
   return {{}, {at(PointStress::Trace), at(PointStress::Difference), at(PointStress::Shear)}};
 }
 
+/// s11 = trace/2 - difference, s22 = trace/2 + difference.
 StressBounds stress_of(const StressDuals& of, std::span<const BoundedDual> bounded) {
   if (!of.why.empty()) return {lost(of.why), lost(of.why), lost(of.why), lost(of.why), lost(of.why)};
   StressBounds s;
@@ -334,6 +361,7 @@ StressBounds stress_of(const StressDuals& of, std::span<const BoundedDual> bound
   return s;
 }
 
+/// eps = dev s/(2 mu) + c (tr s) I: eps11 = c tr s - difference/(2 mu), eps12 = s12/(2 mu) [theory: N.4].
 StrainBounds strain_bounds(const Material& m, const StressBounds& s) {
   const double shape = 0.5 / m.mu;
   return {combined(s.trace, m.c, s.difference, -shape), combined(s.trace, m.c, s.difference, shape),
@@ -341,6 +369,8 @@ StrainBounds strain_bounds(const Material& m, const StressBounds& s) {
 }
 
 // 4 mu c = 1 - 2 nu in plane strain.
+// s_vM^2 = s^2 t^2 + 3 (difference^2 + s12^2), as |dev s|^2 = 2 (difference^2 + s12^2), with s of [theory: B.26]. The
+// interval is that of independent intervals of the three parts.
 Bounded von_mises_bounds(const Material& m, bool plane_strain, const StressBounds& s) {
   const double share = std::pow(plane_strain ? 2 * m.mu * m.c : 0.5, 2);
   const Interval trace = squared(s.trace), difference = squared(s.difference), shear = squared(s.s12);
@@ -359,6 +389,7 @@ struct TipDuals {
   std::vector<DualProblem> duals = {};
 };
 
+/// The polynomials of the edges are not the arc, whose faces alone G leaves free: the work between them is an error.
 TipDuals arc_tip_duals(const Model& m, const Field& u, const ArcTip& tip, Index crack) {
   if (!isotropic(m.scene.material)) return {"no bounds: the material is orthotropic"};
   const auto dual = [&](int mode) {
@@ -370,6 +401,9 @@ TipDuals arc_tip_duals(const Model& m, const Field& u, const ArcTip& tip, Index 
   return {{}, plane_modulus(m.scene.material), {dual(1), dual(2)}};
 }
 
+/// Two fields G: reaching through the whole body from a straight crack that is not loaded, in a plain body, or cut off
+/// in the disc of the tip. With its other tip inside, the field that has no dislocation is taken; a crack that starts
+/// on the boundary takes the one of an infinite crack, which jumps on the line behind its mouth.
 TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
   if (m.scene.laws[of.crack].kind == CrackLaw::Kind::Bonded) return {"no bounds: the crack is bonded"};
   const std::vector<CrackTip> tips = find_tips(m.mesh);
@@ -404,6 +438,7 @@ TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
   return {{}, plane_modulus(material), {dual(1), dual(2)}};
 }
 
+/// Squares of intervals may lose what K_I and K_II have in common; it is a bound either way.
 TipBounds tip_of(const TipDuals& of, std::span<const BoundedDual> bounded) {
   if (!of.why.empty()) return {lost(of.why), lost(of.why), lost(of.why)};
   TipBounds b;
@@ -419,6 +454,7 @@ TipBounds tip_of(const TipDuals& of, std::span<const BoundedDual> bounded) {
 }
 
 /// Duals of several quantities in one list, and what is made of the intervals of each.
+/// The order of the duals is that of the requests, so that batches are the same for the same requests.
 class Collection {
  public:
   /// `take`: from the intervals of these.
@@ -457,6 +493,7 @@ QuantityIntervals intervals_in_contact(const ContactQuantityBounds& bounds, cons
 
 }  // namespace
 
+/// Callbacks keep references to places in `out`: each list has its final size before the first one into it is made.
 QuantityIntervals QuantityBounds::all(const QuantityRequest& request) const {
   const std::string& why = impl_->why;
   if (impl_->contact) return intervals_in_contact(*impl_->contact, why, request);

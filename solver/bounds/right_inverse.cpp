@@ -1,3 +1,12 @@
+// Right inverses of the divergence on the reference triangle (equilateral, side 1), made once per degree [theory: B.5;
+// Arnold, Qin 1992; Fu, Guzman, Neilan 2020]; docs/theory/bounds.md, "A stress in equilibrium".
+// right_inverse: q in H^1_0(T)^2, continuous and of degree n + 1 on the three triangles that the centroid makes, with
+//   div q = g for g in P_n(T) of zero mean,   |grad q| least.
+// Unknowns are the Bernstein coefficients that do not lie on the boundary; div q = g is asked at the points of
+// lattice(n) of each third; with the Cholesky factor of the Gram matrix of gradients the solution is one of least norm.
+// normal_free_right_inverse: the same in H(div) with one polynomial on all of T, from fields l_i l_j p along the edges,
+// which have no normal component on any edge. Polynomials are passed on by their values at lattice points.
+
 #include "solver/bounds/right_inverse.hpp"
 
 #include "solver/system.hpp"
@@ -20,6 +29,7 @@ Mat2 reference_jacobian() {
 }
 
 // Bernstein polynomials n!/(a! b! c!) l0^a l1^b l2^c in the order of lattice(n): dim(n) x points.
+// Their values, not those of monomials, keep the small systems well conditioned.
 Eigen::MatrixXd bernstein_values(int n, const Points& l) {
   Eigen::MatrixXd value(dim(n), l.cols());
   Eigen::Index row = 0;
@@ -59,6 +69,7 @@ std::array<Eigen::MatrixXd, 2> rotated_slopes(const std::array<Eigen::MatrixXd, 
 }
 
 // Corner i + 1, corner i + 2, centroid: in (l1, l2).
+// The third beside the edge opposite corner i.
 std::array<Vec2, 3> third(int i) {
   const std::array<Vec2, 3> corner{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
   return {corner[(i + 1) % 3], corner[(i + 2) % 3], Vec2::Constant(1.0 / 3)};
@@ -73,6 +84,8 @@ Points in_third(int i, const Points& l) {
 
 // Continuous scalar functions of degree n on the split triangle that vanish on its boundary: per third, the number of
 // each Bernstein function (none on the boundary).
+// Two thirds share the functions of their common edge, and all three that of the centroid: a control point is known by
+// its barycentric coordinates, times 3 n to be whole numbers.
 struct Numbering {
   std::array<std::vector<Index>, 3> of;
   Index count = 0;
@@ -95,6 +108,7 @@ Numbering inner_functions(int n) {
   return numbering;
 }
 
+/// Constraints depend on each other: the mean of the divergence is zero whatever q is.
 constexpr double dependent = 1e-10;  // pivots, of the largest
 
 }  // namespace
@@ -108,6 +122,7 @@ Points lattice(int n) {
   return x;
 }
 
+/// Both bases span P_n: the values at `at` are V(at) V(lattice)^-1 times those at the lattice.
 Eigen::MatrixXd interpolation(int n, const Points& at) {
   return solve_lu(bernstein_values(n, lattice(n)), bernstein_values(n, at)).transpose();
 }
@@ -118,12 +133,14 @@ std::array<Eigen::MatrixXd, 2> differentiation(int n, const Points& at) {
   return {solve(values, slope[0]).transpose(), solve(values, slope[1]).transpose()};
 }
 
+/// dx/dX = (dx/dl) (dX/dl)^-1.
 Mat2 jacobian(const std::array<Vec2, 3>& x) {
   Mat2 j;
   j << x[1] - x[0], x[2] - x[0];
   return j * reference_jacobian().inverse();
 }
 
+/// Functions that are polynomials on each third are integrated exactly, up to the degree of the rule.
 TriangleRule split_rule(int degree) {
   const TriangleRule rule = triangle_rule(degree);
   const Eigen::Index n = rule.w.size();
@@ -135,6 +152,9 @@ TriangleRule split_rule(int degree) {
   return split;
 }
 
+/// A polynomial of degree n on a third is known by dim(n) values: 3 dim(n) constraints for two components of inner
+/// functions. Where they map onto all of zero mean the system has a solution; of those the one of least gradient is
+/// independent of the basis.
 RightInverse right_inverse(int degree, const TriangleRule& split) {
   const int order = degree + 1;
   const Numbering functions = inner_functions(order);
@@ -191,6 +211,8 @@ RightInverse right_inverse(int degree, const TriangleRule& split) {
   return result;
 }
 
+/// 3 dim(n - 2) fields, of which some are dependent for n > 2: eigenvectors of their Gram matrix below 1e-10 are
+/// dropped.
 Eigen::MatrixXd normal_free_right_inverse(int n) {
   // l_i l_j p along the edge from i to j, p in P_(n-2), over the three edges: all of them, some several times.
   const Points nodes = lattice(n);

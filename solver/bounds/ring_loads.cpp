@@ -1,3 +1,13 @@
+// Loads of duals that are cut off, in the triangles where grad chi is not 0 [theory: B.20, B.42];
+// docs/theory/bounds.md, "Cut off, many at once". For all fields G that share a disc, sampled together at the points of
+// a triangle,
+//   body force f = sigma_G grad chi,   eigenstrain e = -sym(grad chi x G);
+// f as a polynomial of degree trace + 1 and e of degree 4, with what both leave out and the errors of their integrals,
+// as solver/bounds/polynomial_data.cpp and solver/data/strain.cpp do for the data of a scene. One elimination per
+// triangle makes of their moments the fields inside with the edges at rest (`interior`) and the loads on the edges
+// (`given`). assemble_ring adds these up to a right-hand side; in a body that nothing holds, tractions on free edges
+// balance what is left.
+
 #include "solver/bounds/ring_loads.hpp"
 
 #include "base/dense.hpp"
@@ -27,12 +37,14 @@ struct RingValues {
 };
 using AllValues = std::array<RingValues, Nuclei::most>;
 
+/// Rows of `of`: force x, y; strain 11, 22; strain 12 and 0.
 void put(const NucleusValue& G, const Vec2& slope, Eigen::Index q, RingValues& to) {
   to.of[0].col(q) = G.stress * slope;
   to.of[1].col(q) = -slope.cwiseProduct(G.displacement);
   to.of[2](0, q) = -0.5 * (slope.x() * G.displacement.y() + slope.y() * G.displacement.x());
 }
 
+/// All that does not depend on the triangle is made once per block: projections onto polynomials, and the buffers.
 class RingSampling {
  public:
   RingSampling(const Model& m, const CutOffRing& ring, std::span<const std::size_t> fields)
@@ -53,6 +65,7 @@ class RingSampling {
     given_.resize(skeleton_count(m.element), moments_.cols());
   }
 
+  /// A field of which neither rule sees anything in this triangle has no load there.
   void operator()(Index column, Index t, std::vector<RingLoads>& to) {
     const Triangle shape = triangle(m_, t);
     sample(shape, kernel_.load, at_);
@@ -97,6 +110,8 @@ class RingSampling {
     }
   }
 
+  /// `first_look` settles most triangles from the two rules; the others are cut and looked at until the data are
+  /// resolved.
   TriangleValues values(const Triangle& shape, std::size_t field, int kind) const {
     const auto which = static_cast<std::size_t>(kind);
     if (std::optional<TriangleValues> v = first_look(at_[field].of[which], kernel_.load, finer_[field].of[which]))
@@ -114,6 +129,8 @@ class RingSampling {
     return triangle_values(f, shape.x, kernel_.load, 0, kind == 0 ? "body force" : "eigenstrain");
   }
 
+  /// Moments of the force against displacements and of the eigenstrain against stresses, the right-hand side of the
+  /// elimination.
   void look(Index column, const Triangle& shape, std::size_t i, RingLoads& to) {
     const std::size_t field = fields_[i];
     const TriangleValues body = values(shape, field, 0), normal = values(shape, field, 1),
@@ -161,6 +178,8 @@ class RingSampling {
   }
 
   /// As static_interior.
+  /// The couple is a load of the displacement, too, not of the stress alone: see "Cut off, many at once" in
+  /// docs/theory/bounds.md.
   void add_couple(const Triangle& shape, double couple, Eigen::Index i) {
     const Mat2 stress = antisymmetric(couple);
     Eigen::Index at = 0;
@@ -183,6 +202,8 @@ class RingSampling {
   bool open_ = false;
 };
 
+/// A body force that is seen by its means alone needs couples; `balanced` is false, as the element never sees all of
+/// it.
 RingLoads empty_loads(const Model& m, std::shared_ptr<const std::vector<Index>> triangles) {
   const Eigen::Index count = static_cast<Eigen::Index>(triangles->size());
   const Element& e = m.element;
@@ -205,6 +226,7 @@ RingLoads empty_loads(const Model& m, std::shared_ptr<const std::vector<Index>> 
 
 }  // namespace
 
+/// A superset: triangles that are surely within the inner circle or beyond the outer one are left out.
 std::shared_ptr<const std::vector<Index>> ring_triangles(const Model& m, const CutOffRing& ring) {
   auto all = std::make_shared<std::vector<Index>>();
   for (Index t = 0; t < static_cast<Index>(m.mesh.triangles.size()); ++t) {
@@ -220,6 +242,7 @@ std::shared_ptr<const std::vector<Index>> ring_triangles(const Model& m, const C
   return all;
 }
 
+/// Blocks of a fixed size write to columns of their own; the sampling keeps its buffers within a block.
 std::vector<RingLoads> ring_loads(const Model& m, const CutOffRing& ring, std::span<const std::size_t> fields) {
   const std::shared_ptr<const std::vector<Index>> triangles = ring_triangles(m, ring);
   std::vector<RingLoads> all;
@@ -240,6 +263,8 @@ std::vector<RingLoads> ring_loads(const Model& m, const CutOffRing& ring, std::s
 namespace {
 
 /// What tractions on free edges must take: the combination of motions that undoes the work `net` on each.
+/// Tractions sum_k a_k m_k with the motions m_k, G a = -net, G = int m_j . m_k over the free edges. They count as an
+/// error of the integral of the data on each edge (`moved`), by their largest size.
 struct EdgeBalance {
   const Model& m;
   std::vector<EdgeData*> edges;
@@ -254,6 +279,7 @@ struct EdgeBalance {
     const auto& [a, b] = m.mesh.edges[e];
     return m.mesh.points[a] + s * (m.mesh.points[b] - m.mesh.points[a]);
   }
+  /// Two Gauss points integrate products of two motions, which are linear along an edge.
   Eigen::VectorXd shares(const Eigen::VectorXd& net) const {
     const std::vector<RigidMotion>& motions = m.inner->floating;
     const EdgeRule rule = gauss(2);
@@ -291,6 +317,8 @@ struct EdgeBalance {
 
 }  // namespace
 
+/// The work of the loads on a rigid motion is known to vanish for the exact loads of G; what is left is the
+/// quadrature's.
 bool assemble_ring(LaneDual& dual) {
   const Model& m = *dual.model;
   const RingLoads& ring = *dual.ring;
@@ -313,6 +341,7 @@ bool assemble_ring(LaneDual& dual) {
     }
   }
   if (motions.empty()) return true;
+  // Of the sum of absolute works: beyond it the quadrature has not resolved the loads.
   constexpr double small = 1e-4;
   if (!((net.array().abs() <= small * size.array()).all())) return false;
   EdgeBalance balance{m, {}};
@@ -323,6 +352,7 @@ bool assemble_ring(LaneDual& dual) {
   return true;
 }
 
+/// At most `lanes` duals, eight bits.
 LaneRings::LaneRings(std::span<const LaneDual> duals, Index triangles) {
   for (std::size_t i = 0; i < duals.size(); ++i) {
     if (!duals[i].ring) continue;

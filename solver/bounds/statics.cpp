@@ -1,3 +1,12 @@
+// The stress of the solution made ready for the lower bound [theory: B.1, B.4]; docs/theory/bounds.md, "A stress in
+// equilibrium", points 1 and 4. Two changes of the loads on the skeleton, one solve with the factor of the open cracks:
+// 1. unilateral cracks: the Bernstein coefficients p_b of the pressure on every edge are made at least 0, so that p >=
+// 0 all along it. With moments M against the Bernstein polynomials, force = M' p_b and moments = M jump, they are the
+// unknowns of the same complementarity problem [theory: C.6]: S becomes M^-T S M^-1;
+// 2. couples: antisymmetric(c_T) on a triangle has no divergence, and its tractions on the edges are balanced by the
+// solve. The result is in equilibrium with the loads that the element sees; solver/bounds/triangle_bounds.cpp adds the
+// rest.
+
 #include "solver/bounds/statics.hpp"
 
 #include "solver/system.hpp"
@@ -14,6 +23,7 @@ namespace kerf {
 namespace {
 
 // From values at the Gauss points of an edge to moments against the Bernstein polynomials.
+// The rule is exact for products of two polynomials of degree n - 1, so that this is the matrix of moments.
 Eigen::MatrixXd to_moments(const EdgeRule& trace) {
   const Eigen::Index n = trace.w.size();
   Eigen::MatrixXd change(n, n);
@@ -44,6 +54,8 @@ std::vector<std::vector<Index>> edges_in_contact(const Model& m) {
 // What must be added to the contact forces so that the cracks carry no tension anywhere, per row in contact: the
 // Bernstein coefficients of the normal stress on each edge become the unknowns of the same small contact problem, the
 // moments of the opening against the Bernstein polynomials their multipliers.
+// S is the stiffness condensed onto the jumps in contact; `load` is its right-hand side with the forces of the solution
+// taken out and the jumps that the couples cause put in.
 Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::VectorXd& free_jumps) {
   const Index contact_rows = m.inner->ordering.contact_rows, leading = m.inner->ordering.leading();
   const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = inverse(change);
@@ -69,6 +81,8 @@ Eigen::VectorXd best_pressures(const Model& m, const Field& s, const Eigen::Vect
 }
 
 // The same, per skeleton unknown, without that problem: the pressures there are, as far as they press.
+// Not the best pressures, but at least 0; a wider interval, and no dense matrix S: for large contact and for parts of a
+// body.
 Eigen::VectorXd pressing_parts(const Model& m, const Field& s) {
   const Eigen::MatrixXd change = to_moments(m.inner->kernel.trace), back = inverse(change);
   Eigen::VectorXd added = Eigen::VectorXd::Zero(m.inner->skeleton.total);
@@ -78,6 +92,7 @@ Eigen::VectorXd pressing_parts(const Model& m, const Field& s) {
 }
 
 // What balances antisymmetric(couple[t]) on each triangle, per skeleton unknown.
+// The outward normal times the length of the edge is (side.y, -side.x).
 Eigen::VectorXd load_of_couples(const Model& m, const Eigen::VectorXd& couple) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(m.inner->skeleton.total);
   for (Index t = 0; t < static_cast<Index>(couple.size()); ++t) {
@@ -98,6 +113,7 @@ Eigen::VectorXd load_of_couples(const Model& m, const Eigen::VectorXd& couple) {
 }
 
 // The interior fields once the skeleton moves.
+// The response of the fields inside to the multipliers alone: no load, since those are in the fields already.
 Eigen::MatrixXd moved_interior(const Model& m, const Field& s, const Eigen::VectorXd& moved) {
   Eigen::MatrixXd interior_fields = s.interior;
   parallel_for(static_cast<Index>(m.mesh.triangles.size()), m.threads, [&](Index begin, Index end) {

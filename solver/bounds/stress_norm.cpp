@@ -1,3 +1,10 @@
+// Bounds of int sigma_vM^2 from the energy's [theory: B.25, B.26]; docs/theory/bounds.md, "The square of the stress".
+// With m = (p + C eps(v))/2 of the admissible fields,
+//   |sigma - m|_A^2 <= gap - |p - C eps(v)|_A^2/4 = rho^2,   sigma_vM^2 <= 3 mu A sigma : sigma,
+// so that the root N of the integral obeys |N(sigma) - N(m)| <= sqrt(3 mu) (sqrt(rho^2 + r) + sqrt(2 r)), r the
+// widening of the gap by data. mu is the largest of all materials. On curved cells both integrals have the error of two
+// rules. None for orthotropic or incompressible materials and with eigenstrains.
+
 #include "solver/stress_norm.hpp"
 
 #include "solver/bounds/admissible.hpp"
@@ -11,6 +18,7 @@ namespace kerf {
 
 namespace {
 
+/// (B.26) is for isotropic materials, and C eps(v) does not exist at c = 0.
 std::string no_stress_norm_because(const Scene& scene) {
   const auto orthotropic = [](const Material& m) { return !isotropic(m); };
   if (orthotropic(scene.material) || std::ranges::any_of(scene.regions, orthotropic))
@@ -44,6 +52,7 @@ double work(const Material& material, const Mat2& s) {
 struct OnCurved {
   double integral, rules, apart;
 };
+/// `apart` enters with a minus sign and is taken small, by what the two rules leave open.
 OnCurved on_curved(const Material& material, const Share& share, const SquaredVonMises& square) {
   Vec2 sum = Vec2::Zero(), difference = Vec2::Zero();
   for (Eigen::Index q = 0; q < share.kept_weight.cols(); ++q) {
@@ -57,6 +66,7 @@ OnCurved on_curved(const Material& material, const Share& share, const SquaredVo
 
 }  // namespace
 
+/// `apart` enters with a minus sign and is taken from below, `integral` on both sides.
 Bounded squared_stress_bounds(const Model& model, const Field& state, const SquaredVonMises& square) {
   if (const std::string why = no_stress_norm_because(model.scene); !why.empty()) return lost(why);
   if (!model.inner->data.strain.empty()) return lost("no bound: the body has an eigenstrain");

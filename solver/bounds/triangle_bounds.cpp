@@ -1,3 +1,13 @@
+// The share of one triangle in the two bounds of the energy [theory: B.1]; docs/theory/bounds.md derives both fields.
+// Lower bound: to the stress s of the element are added rows that carry the loads it does not see, and the curl of q in
+// H^1_0(T)^2 with div q = s12 - s21, so that
+//   p = s + (curl q1; curl q2) is symmetric, with the divergence and the normal traces of s [theory: B.4];
+//   lower share = -1/2 int A p : p - int e : p + <u_D, p n>, e the eigenstrain.
+// Upper bound: to the continuous displacement v is added alpha w with div w = tr(A s) + tr e - div v, w in H^1_0(T)^2,
+//   upper share = 1/2 int C(eps(v + alpha w) - e) : (eps(v + alpha w) - e) - l(v + alpha w)      [theory: B.6],
+// alpha the minimiser of this parabola, 1 where the material has no compressibility. Both q and w come from the right
+// inverse of the divergence [theory: B.5]. Triangles with curved edges go to solver/bounds/curved.cpp.
+
 #include "solver/bounds/triangle_bounds.hpp"
 
 #include "solver/anisotropic.hpp"
@@ -15,6 +25,7 @@ namespace kerf {
 namespace {
 
 // What A s : s has beyond that of the isotropic part.
+// The isotropic part of A is that of mu and c; an orthotropic material adds the strain of orthotropic_strain to it.
 double orthotropic_work(const Material& m, double s11, double s22, double s12) {
   const Eigen::Vector3d e = orthotropic_strain(m, s11, s22, s12);
   return e[0] * s11 + e[1] * s22 + 2 * e[2] * s12;
@@ -76,6 +87,9 @@ class Roughness {
   double zz_ = 0, zw_ = 0, ww_ = 0;  // squares and product of the gradients
 };
 
+/// Rules of degree 2 n on the thirds of the triangle integrate squares of polynomials of degree n, which stresses and
+/// the gradients of q and w are on each third: the energies of straight triangles have no error of quadrature.
+
 TriangleReference reference_of(const Element& e, int n, const Forces& f) {
   TriangleReference r;
   r.n = n;
@@ -107,6 +121,8 @@ TriangleReference reference_of(const Element& e, int n, const Forces& f) {
 
 }  // namespace
 
+/// The barycentric coordinates (l0, l1, l2) of a point at s on the side opposite corner `side`; the rule may run
+/// against the triangle's own direction.
 Points points_on_side(const EdgeRule& rule, int side, bool forward) {
   Eigen::Matrix3Xd l = Eigen::Matrix3Xd::Zero(3, rule.s.size());
   l.row((side + (forward ? 1 : 2)) % 3) = (1 - rule.s.array()).matrix().transpose();
@@ -114,6 +130,7 @@ Points points_on_side(const EdgeRule& rule, int side, bool forward) {
   return l.bottomRows<2>();
 }
 
+/// Curved references exist only where the mesh has curved cells; both rules of a cell are those of its degree.
 References references(const Element& e, int inside, const Forces& f, bool curved) {
   References both{reference_of(e, inside, f), reference_of(e, std::max(inside, data_carriers), f)};
   for (TriangleReference* r : {&both.plain, &both.rich})
@@ -121,6 +138,7 @@ References references(const Element& e, int inside, const Forces& f, bool curved
   return both;
 }
 
+/// l_b - l_a and not l_b: symmetric in both ends, so that the bubble is the same polynomial seen from either.
 Bounding::Along Bounding::along(const EdgeData& d, const Vec2& l) const {
   const std::array<double, 3> full{1 - l.x() - l.y(), l.x(), l.y()};
   const bool forward = m.mesh.sides[d.edge][0] == d.triangle;
@@ -128,6 +146,9 @@ Bounding::Along Bounding::along(const EdgeData& d, const Vec2& l) const {
   return {0.5 * (1 + to - from), from * to};
 }
 
+/// Shapes: `stress` has rows s11, s12, s21, s22 and a column per point of lattice(n). q is found on the reference
+/// triangle: with q = J Q/det J, div Q = det J (s12 - s21), and the gradient of q is J (grad Q) J^-1/det J. The
+/// asymmetry has zero mean because the element balances moments on the triangle, or the couple does.
 void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
                      Share& share) const {
   const Triangle cell = triangle(m, t), shape = chords_of(cell);
@@ -159,6 +180,8 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
   const Material& material = material_of(m.mesh, m.scene, t);
   const double mu = material.mu, c = material.c;
   const Eigen::Matrix4Xd free = eigenstrain(r, t);
+  // A p : p = |dev p|^2/(2 mu) + c (tr p)^2 with |dev p|^2 = (p11 - p22)^2/2 + p12^2 + p21^2 [theory: B.3]; rounding
+  // leaves p12 - p21, which is measured.
   double energy = 0, freed = 0;
   Eigen::Matrix4Xd whole(4, at_rule.cols());
   for (Eigen::Index i = 0; i < at_rule.cols(); ++i) {
@@ -185,6 +208,8 @@ void Bounding::lower(const TriangleReference& r, Index t, const CellFields& at, 
   if (keep) share.kept_stress = std::move(whole);
 }
 
+/// The projection is onto the polynomials of degree 4 of the triangle; what is left has all of the work of the rest of
+/// the eigenstrain, since that rest is orthogonal to them [theory: B.28].
 double Bounding::beyond_strains(const TriangleReference& r, const Eigen::Matrix4Xd& stress) {
   const Eigen::Matrix4Xd rest = stress - stress * r.to_strains.transpose() * r.of_strains.transpose();
   return rest.colwise().squaredNorm().dot(r.rule.w);
@@ -197,6 +222,10 @@ Points Bounding::nodes(const TriangleReference& r, const Triangle& shape) const 
   return x;
 }
 
+/// The field (x - apex) |e|/(2 |T|) has normal component 1 on the edge e opposite the apex and 0 on the two others, so
+/// that it carries a missing traction without touching the neighbours. What its divergence adds to, or lacks of, the
+/// body force is made up by a field without normal trace. Its data have zero mean: the element balances the resultants
+/// of the loads.
 void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::vector<Index>& edges,
                                 Eigen::Matrix4Xd& stress) const {
   const Triangle shape = triangle(m, t);
@@ -207,6 +236,7 @@ void Bounding::add_loads_unseen(const TriangleReference& r, Index t, const std::
   Eigen::Matrix4Xd rows = Eigen::Matrix4Xd::Zero(4, x.cols());
   for (const Index i : edges) {
     const EdgeData& d = data[i];
+    // Below rounding of the load itself there is nothing to carry.
     if (d.unbalanced.cwiseAbs().maxCoeff() <= 8 * std::numeric_limits<double>::epsilon() * d.load.cwiseAbs().maxCoeff())
       continue;
     correct = true;
@@ -251,6 +281,8 @@ bool Bounding::leaves_strain(Index t) const {
   return !strain().empty() && (strain().rest[column(t)] > 0 || strain().error[column(t)] > 0);
 }
 
+/// Over the Gauss points of the trace. A traction g on a held component adds -g . u_D, which no state changes, to the
+/// energy and so to both bounds.
 void Bounding::work_of_supports(const Tractions& tractions, const std::vector<Index>& edges, Share& share) const {
   const Eigen::Index points = m.inner->kernel.trace.w.size();
   for (const Index i : edges) {
@@ -272,6 +304,8 @@ void Bounding::work_of_supports(const Tractions& tractions, const std::vector<In
   }
 }
 
+/// (s n) in the frame of each edge, n out of the triangle: the sum over the two sides of an inner edge is the
+/// imbalance.
 Tractions Bounding::tractions(const TriangleReference& r, const Triangle& shape, const Eigen::Matrix4Xd& stress) const {
   const Eigen::Index points = m.inner->kernel.trace.w.size();
   Tractions result(2, 3 * points);
@@ -295,12 +329,15 @@ double Bounding::work_on_edge(Index i) const {
   return work;
 }
 
+/// On curved cells the body force is J f as a polynomial of the reference coordinates.
 Points Bounding::load_on(const CurvedReference& r, Index t) const {
   if (f.nodal.cols() == 0) return Points(2, 0);
   const Eigen::Map<const Points> force(f.nodal.col(column(t)).data(), 2, f.nodal.rows() / 2);
   return force * interpolation(f.degree, r.rule.x).transpose();
 }
 
+/// The trace of the strain that the discrete stress asks for. Its mean over the triangle is that of div v because the
+/// edge means of v are those of the multipliers, so that the right inverse applies.
 Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index t, const CellFields& at) const {
   const Triangle shape = triangle(m, t);
   const Material& material = material_of(m.mesh, m.scene, t);
@@ -317,6 +354,7 @@ Eigen::RowVectorXd Bounding::wanted_divergence(const TriangleReference& r, Index
   return wanted;
 }
 
+/// Along a held edge v is not a polynomial of degree trace + 1: bubble * l_a l_b on top gives it the prescribed values.
 Points Bounding::conforming_values(const TriangleReference& r, const CellFields& at,
                                    const std::vector<Index>& edges) const {
   const Eigen::Map<const Points> nodal(at.nodal.data(), 2, at.nodal.size() / 2);
@@ -376,6 +414,7 @@ double Bounding::add_works(const TriangleReference& r, Index t, const std::vecto
   return size;
 }
 
+/// `wanted` becomes tr(A s) + tr e - div v at the nodes; the correction w and its gradient h follow by Piola's map.
 void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, const std::vector<Index>& edges,
                      Share& share) const {
   const Triangle cell = triangle(m, t), shape = chords_of(cell);
@@ -429,7 +468,7 @@ void Bounding::upper(const TriangleReference& r, Index t, const CellFields& at, 
   const Eigen::VectorXd own =
       keep || f.nodal.cols() > 0 ? Eigen::VectorXd(r.inverse.value * scaled) : Eigen::VectorXd();
   share.size += add_works(r, t, edges, v, own, along, share);
-  // Without compressibility the divergence must vanish.
+  // At c = 0 the strain must have no trace, which alpha = 1 alone achieves: the volumetric energy has a factor 1/(8 c).
   const double alpha = material.c == 0 ? 1 : along.a > 0 ? -along.b / (2 * along.a) : 0;
   share.upper = along.at(alpha);
   share.elastic = elastic.at(alpha);

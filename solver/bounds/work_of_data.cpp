@@ -1,3 +1,11 @@
+// int t . G and int f . G: the work of the data of a state on the field G of a quantity, which is what is known of it
+// without a dual solution [theory: B.11, B.20]. The data are a polynomial P with an enclosed remainder on each piece, G
+// is analytic away from its singular place, so that
+//   | int f . G - int P . G | <= Delta max |G| + |f - P| max |G - Q|      [theory: D.5],
+// Q the part of G in polynomials of degree 7. On edges by Legendre coefficients of G. In the disc where G fades by
+// pieces of the polar coordinates (sqrt(r), theta), in which r G is smooth; the worst piece is cut in four until the
+// sum of the errors is small. docs/theory/data.md, "Works on singular fields".
+
 #include "solver/bounds/work_of_data.hpp"
 
 #include "base/quadrature.hpp"
@@ -12,6 +20,7 @@
 
 namespace kerf {
 
+/// The polynomial of degree 7 with three derivatives 0 at both ends: 1 - t^4 (35 - 84 t + 70 t^2 - 20 t^3).
 double Fade::operator()(double r) const {
   const double t = std::clamp((r - inner) / (outer - inner), 0.0, 1.0), t4 = t * t * t * t;
   return 1 - t4 * (35 + t * (-84 + t * (70 - 20 * t)));
@@ -29,6 +38,8 @@ constexpr int fine_points = 24;
 
 /// What polynomials of degree 7 leave of an analytic function on an edge, at most, from its values at Gauss points:
 /// Legendre coefficients, which fall at least as fast beyond the last ones as they did before.
+/// The orthonormal polynomial of degree k has the largest value sqrt(2 k + 1). Of the coefficients 8 to 15 the last
+/// four count twice, for those beyond them.
 double left_of_analytic(const EdgeRule& rule, const Eigen::RowVectorXd& values) {
   constexpr int known = 16, last = 12;
   double left = 0;
@@ -41,6 +52,7 @@ double left_of_analytic(const EdgeRule& rule, const Eigen::RowVectorXd& values) 
 }
 
 /// int t.G over one edge: t is a polynomial, and a rest that is orthogonal to polynomials.
+/// 24 points: the product of a polynomial of degree 7 and of G, whose coefficients beyond the 15th are estimated.
 void add_edge(const Model& m, const EdgeValues& t, Index e, const Nucleus& G, Known& known) {
   static const EdgeRule fine = gauss(fine_points), carrier = gauss(data_points);
   static const Eigen::MatrixXd to_fine = [] {
@@ -82,6 +94,8 @@ double easing(double t) {
 }
 
 /// A coordinate as a function of u from 0 to 1, growing.
+/// Root: u is linear in sqrt(r), in which r G is smooth for G like r^-1/2 and like 1/r. Eased: both ends at rest, for
+/// fields that grow like a logarithm at the ends of a line or jump there.
 struct Along {
   double from, to;
   enum class Kind { Even, Eased, Root } kind;
@@ -113,6 +127,7 @@ struct Along {
 };
 
 /// All values of the cosine between two angles that are half a turn apart at most.
+/// The extremes within are those at whole multiples of pi; `margin` covers the rounding of cos and of the angles.
 Interval cosines(double from, double to) {
   constexpr double margin = 1e-14;
   Interval c{std::min(std::cos(from), std::cos(to)) - margin, std::max(std::cos(from), std::cos(to)) + margin};
@@ -126,6 +141,8 @@ Interval scaled(double from, double to, const Interval& c, double middle) {
           middle + std::max(from * c.high, to * c.high) + rounding};
 }
 
+/// Eight sectors, each with the parts within the rough radius, where G does not fade, and where it does: G is smooth in
+/// each.
 class WorkOfBody {
  public:
   WorkOfBody(const VectorField& f, const FadingField& field) : f_(f), field_(field) {
@@ -142,6 +159,7 @@ class WorkOfBody {
                                    rough ? Along::Kind::Eased : Along::Kind::Even}});
   }
 
+  /// Pieces are squares in the two parameters of their whole; the worst one is cut in four, 6,000 pieces at most.
   Known known() const {
     std::vector<IntegrationPiece> pieces(wholes_.size());
     for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].whole = i;
@@ -163,6 +181,7 @@ class WorkOfBody {
     double value = 0, size = 0;
     Vec2 field = Vec2::Zero();  // of |G|
   };
+  /// A product rule in (u, v): dx = r dr dtheta with the slopes of both coordinates.
   Sum by(const EdgeRule& rule, const IntegrationPiece& p) const {
     const auto& [radius, angle] = wholes_[p.whole];
     Sum sum;
@@ -183,6 +202,8 @@ class WorkOfBody {
     }
     return sum;
   }
+  /// The error of the rule for G by two rules; that of the data by a Taylor model over the box about the piece [theory:
+  /// D.4], times int |G|.
   void evaluate(IntegrationPiece& p) const {
     static const EdgeRule coarse = gauss(8), fine = gauss(12);
     const Sum sum = by(fine, p);
@@ -215,6 +236,7 @@ Known work_of_body(const VectorField& f, const FadingField& field) {
   return WorkOfBody(f, field).known();
 }
 
+/// G opens the crack like r^(-1/2): times sqrt(r) it is smooth, and over_face has the power in its weight.
 Known work_of_pressure(const BoundaryField& p, const FadingField& field, const Vec2& along) {
   const Vec2 up(-along.y(), along.x());
   const auto opening = [&](double r) {

@@ -1,3 +1,13 @@
+// Solutions on meshes that fit them: graded to the ends of contact, or refined in rounds until the estimated error is
+// small enough. A round solves, estimates eta_T per triangle [theory: R.4, R.6], and makes the next mesh either by new
+// sizes,
+//   r_T ~ eta_T^(-1/(p + 1)),   p the order of the element      [theory: R.7],
+// the fewest triangles for an error, or by bisecting the fewest triangles that carry half of the squared sum,
+//   sum_marked eta_T^2 >= 1/2 sum_T eta_T^2      [Doerfler 1996; theory: R.8].
+// What ends the rounds: the asked error, the number of triangles, three rounds without gain, 40 rounds, or the caller.
+// A goal (the interval of a quantity) takes the place of the error of the stress. Contact begins on each mesh with what
+// the faces did on the one before. docs/theory/recovery_and_estimates.md, "Error indicator".
+
 #include "kerf/adaptive.hpp"
 #include "kerf/recover.hpp"
 #include "kerf/stop.hpp"
@@ -23,6 +33,7 @@ namespace kerf {
 namespace {
 
 // The fewest triangles that carry half of the squared error.
+// Sorted from the largest on; a stable sort, so that equal triangles keep their order on every machine.
 std::vector<Index> mark(const Eigen::VectorXd& eta) {
   std::vector<Index> order(eta.size());
   std::iota(order.begin(), order.end(), 0);
@@ -53,6 +64,8 @@ struct End {
   double run;  // the shorter of the stretches that meet
 };
 
+/// A walk along the points of the profile. `does`: bit 0 closed, bit 1 sticking. `run` of an end is the shorter of the
+/// two stretches that meet there: the longest runs are graded first, at most 32.
 void add_ends(const Model& m, const Field& s, Index crack, std::vector<End>& ends) {
   const bool friction = has_friction(m.scene.laws[crack]);
   const std::vector<CrackPoint> points = crack_profile(m, s, crack);
@@ -79,6 +92,7 @@ void add_ends(const Model& m, const Field& s, Index crack, std::vector<End>& end
   if (ends.size() > none_before) ends.back().run = std::min(ends.back().run, points.back().s - begin);
 }
 
+/// More ends than that are the noise of a mesh that does not resolve contact.
 std::vector<End> ends_of(const Model& m, const Field& s) {
   std::vector<End> ends;
   for (Index c = 0; c < static_cast<Index>(m.mesh.cracks.size()); ++c)
@@ -96,6 +110,7 @@ std::vector<Vec2> places_of_ends(const std::vector<End>& ends) {
 }
 
 // The solutions of one body on meshes that are graded better and better.
+// `once` meshes and solves; `solve` repeats it with the ends of contact that it finds until they lie in the fine part.
 class Grading {
  public:
   Grading(const Shape& shape, const Element& e, const Scene& scene, const Adaptation& how)
@@ -137,6 +152,8 @@ class Grading {
   }
 
   /// The ends of contact on a mesh so coarse that it costs little beside the one that is asked for.
+  /// `coarse`: the size of the body over that of the edges; `cheaper`: it must be at least twice as coarse as what is
+  /// asked for, four times fewer triangles.
   std::vector<Vec2> guess(const Sizing& wanted) {
     constexpr double coarse = 24, cheaper = 2;
     Sizing sizing = wanted;
@@ -159,6 +176,8 @@ class Grading {
 
   /// Large contact begins with what the faces do on a mesh four times coarser, where that costs little; `known_` is of
   /// the last mesh.
+  /// `fewer`: the coarse mesh has at most a fifth of the triangles and half of the rows in contact, else it does not
+  /// pay.
   void look_coarser(const Sizing& wanted, Index rows, Index triangles) {
     constexpr double coarser = 4;
     constexpr Index fewer = 5;
@@ -195,6 +214,8 @@ class Grading {
     return rows;
   }
 
+  /// Where contact has more rows than a dense matrix may have, K is factorized for sets of closed points: a good guess
+  /// of the first set saves factorizations.
   Adapted on(Mesh mesh, const Sizing& sizing, double meshing) {
     Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing};
     Preparation preparation{.precision = how_.precision};
@@ -227,6 +248,8 @@ class Grading {
 
 }  // namespace
 
+/// The error is taken to fall like share^power of the indicator, of which `safety` leaves a margin; the limit of
+/// triangles is for the mesh before it is divided, of which each division makes four.
 Mesh next_mesh(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Mesh& mesh, double order,
                const Indicator& indicator) {
   if (wanted.refinement == Refinement::Bisect) return bisect(mesh, mark(indicator.eta), sizing.mirrored_tips);
@@ -263,6 +286,7 @@ std::string unseen_by_estimate(const Model& m) {
 namespace {
 
 /// What the estimate sees of data at points only, added to a claim.
+/// Said beside "reached": data that are functions of a library are known at points alone.
 std::string as_sampled(const Model& m) {
   for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
     if (!u.stops_bounds) return fmt::format(", as sampled: {} {}", u.what, u.how);
@@ -271,6 +295,8 @@ std::string as_sampled(const Model& m) {
 
 }  // namespace
 
+/// Order matters: a round that reaches the goal at the limit of triangles has reached the goal. `gain`: a round counts
+/// as a gain if its estimate is 5 % below the best one.
 std::string reason_to_end(const std::vector<Round>& rounds, const std::string& unseen, const Adaptation& wanted) {
   constexpr double gain = 0.95;
   constexpr std::size_t most_rounds = 40;
@@ -298,6 +324,8 @@ std::string reason_to_end(const std::vector<Round>& rounds, const std::string& u
   return why;
 }
 
+/// Each indicator is scaled to sum 1 before they are added: the width of the interval is a product of the errors of u
+/// and of its dual. power 2: the width falls like the square of each.
 Indicator refine_for(const Indicator& state, const Bounded& quantity, const std::vector<Eigen::VectorXd>& duals) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(state.eta.size());
   const auto add = [&](const Eigen::VectorXd& eta) {
@@ -318,6 +346,8 @@ std::vector<Vec2> contact_ends(const Model& model, const Field& state) {
   return places_of_ends(ends_of(model, state));
 }
 
+/// Ends of contact are found on the mesh before it is divided, which has a fourth of the triangles per division or
+/// less.
 Adapted solve_graded(const Shape& shape, const Sizing& wanted, const Element& e, const Scene& scene,
                      const Adaptation& how) {
   Grading grading(shape, e, scene, how);
@@ -351,6 +381,7 @@ struct Solved {
 };
 
 /// `meshing`: seconds.
+/// The goal is asked before the chords are added, which belong to the indicator of the stress alone.
 Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGuess& known) {
   Stopwatch watch;
   for (int k = 0; k < of.wanted.divisions; ++k) mesh = refine(mesh);
@@ -376,6 +407,7 @@ Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGue
 }
 
 /// Matrix and factor, most of the memory, are not needed to write a state down.
+/// The fields that stay are those that results, pictures and profiles of cracks read.
 void drop_factor(Model& m) {
   const Inner& inner = *m.inner;
   System system{.penalty = inner.system.penalty,
@@ -390,6 +422,7 @@ void drop_factor(Model& m) {
 
 }  // namespace
 
+/// `last` is the state of the round before, without its factor: what is returned when the caller stops a round halfway.
 Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element& e, const Scene& scene,
                          const Adaptation& wanted) {
   require(e, can_estimate_error);

@@ -1,3 +1,6 @@
+// The efficiency index i = |eta|/|s* - s| of the indicator, over the triangles with a recovered stress s* [theory:
+// R.6].
+
 #include "solver/post/calibrate.hpp"
 
 #include "base/parallel.hpp"
@@ -13,6 +16,7 @@ namespace kerf {
 namespace {
 
 /// Integrals over a triangle.
+/// Per triangle, to be added up in their order.
 struct Share {
   double square = 0;  // of s* - s
   double stress = 0;  // of s, squared
@@ -28,6 +32,7 @@ double stiffest_over_mean(const Scene& scene) {
 
 }  // namespace
 
+/// Both sums run over the same triangles, those of which all three corners have a polynomial.
 Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta) {
   const Corners corners = split_for_stress(m.mesh);
   const RecoveredStress better = recover_stress(m, state, corners, singular_corners(m, state, corners), m.scene.body);
@@ -68,6 +73,7 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
   constexpr Index few = 20;
   constexpr double exact = 1e-10;  // of the stress: what is left is rounding
   // Where the recovered stress is hardly better than the other one, on coarse meshes, it says too much.
+  // The index stays within a factor 2 of that of the element; at_tips: two thirds of it where the stress is singular.
   constexpr double doubt = 2, at_tips = 1.5;
   if (count >= few && square > exact * exact * stress && indicated > 0)
     result.regular =

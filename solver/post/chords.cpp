@@ -1,3 +1,12 @@
+// What the stress of a body lacks whose curved sides are chords: a free side of curvature k has no traction on the
+// chord of length h instead of on the arc, which leaves a saw tooth of tractions k (s - h/2) sigma. A traction a sin(q
+// x) along a half plane has int |s|^2 = a^2/q per length, so that the saw teeth and the mean depth h^2 k/12 of the
+// chords add
+//   sum_e |sigma|^2 (h^2 k)^2 (zeta(3)/(2 pi^3) + h k/144)      [theory: R.10]
+// to the square of the error, and to eta^2 at the rate of the indicator. Edges that follow an arc have none of it. See
+// "Curved sides" in docs/theory/recovery_and_estimates.md. The first part of the file finds the arc that an edge is a
+// chord of.
+
 #include "solver/adapting.hpp"
 
 #include "geometry/curved.hpp"
@@ -15,6 +24,7 @@ namespace kerf {
 namespace {
 
 /// The curvature of the arc at the foot of a point that the mesh has put near it.
+/// Curvature |cross(x', x'')|/|x'|^3 of the ellipse at the parameter whose ray from the center meets the point.
 double curvature_at(const Arc& arc, const Vec2& x) {
   const Vec2 y = arc.axes.inverse() * (x - arc.center);
   const double t = std::atan2(y.y(), y.x());
@@ -23,6 +33,7 @@ double curvature_at(const Arc& arc, const Vec2& x) {
 }
 
 /// How far a point is from the arc, infinite beyond its ends.
+/// Radially in the coordinates where the ellipse is the unit circle, by the shorter semi-axis: at most the distance.
 double distance_to(const Arc& arc, const Vec2& x) {
   const Vec2 y = arc.axes.inverse() * (x - arc.center);
   const double radius = y.norm(), reach = arc.axes.colwise().norm().minCoeff();
@@ -41,6 +52,7 @@ double twice_height(double h, double curvature) {
 
 }  // namespace
 
+/// Straight sides are kept, too: an edge on one of them may lie near an arc that it is tangent to.
 Chords::Chords(const Shape& shape) : arcs_(arcs_of(shape)) {
   const auto add = [&](const Loop& loop) {
     for (std::size_t i = 0; i < loop.sides.size(); ++i)
@@ -62,6 +74,8 @@ bool Chords::is_straight(const Vec2& a, const Vec2& b) const {
   });
 }
 
+/// Of several arcs the one that both ends lie nearest to. Points of the mesh lie off their arc by less than twice the
+/// height of the chord, since polygons with the area of the arcs move them.
 double Chords::curvature(const Vec2& a, const Vec2& b, double h) const {
   constexpr double widest = 2.7;  // radii: the side of the triangle that has the area of its circle
   double nearest = infinity, found = 0;
@@ -74,6 +88,7 @@ double Chords::curvature(const Vec2& a, const Vec2& b, double h) const {
   return found > 0 && !is_straight(a, b) ? found : 0;
 }
 
+/// An edge of a divided mesh is a part of a chord of 2^divisions times its length, and carries that part of the term.
 void add_chords(const Shape& shape, int divisions, const Model& m, const State& s, Indicator& indicator) {
   const Chords chords(shape);
   if (chords.empty() || !std::isfinite(indicator.relative)) return;

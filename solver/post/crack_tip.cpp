@@ -1,3 +1,13 @@
+// The frames of crack tips and the curve of the crack behind them. A tip is an end of a crack inside the body and on no
+// other crack. From the vertices of its path: the straight part as far as the turn off the line is below 1e-4, or the
+// smooth part as far as the curvature 2 turn/(l_1 + l_2) at a vertex has its like at a neighbour. A smooth part is a
+// cubic per edge through the vertices, slopes from parabolas through three neighbours,
+//   x(t) = a + t (b - a) + t (1 - t) ((1 - t) p - t q),   p and q the slopes at the ends less the chord,
+// or the tangents of the arcs that the edges follow. It ends where it has turned by half a radian or comes back towards
+// the tip, so that it is a graph over the distance from the tip: angle_about needs the crack at every distance once.
+// The radius that is clear of everything else (`room`) bounds the rings of the integrals. docs/theory/fracture.md uses
+// these frames.
+
 #include "solver/post/crack_tip.hpp"
 
 #include "solver/stress.hpp"
@@ -21,6 +31,7 @@ struct Walk {
   std::vector<Index> edges, vertices;
 };
 
+/// One vertex more than edges, both from the end that is asked for.
 Walk walk(const Mesh& mesh, Index crack, bool start) {
   Walk w;
   for (const CrackEdge& c : mesh.cracks[crack]) {
@@ -46,6 +57,8 @@ std::size_t straight_edges(const std::vector<Vec2>& x) {
 }
 
 /// Number of edges up to the first kink: a turn that is large, or has no like beside it.
+/// `large`: 20 degrees, more than the turn at a vertex of a curve that is meshed as such. `alike`: curvatures that
+/// differ by less than 60 % of the larger one.
 std::size_t smooth_edges(const std::vector<Vec2>& x) {
   constexpr double large = 0.35, alike = 0.6;
   std::vector<double> turn(x.size(), 0), curvature(x.size(), 0);
@@ -66,6 +79,7 @@ std::size_t smooth_edges(const std::vector<Vec2>& x) {
 }
 
 /// Derivatives per length of chord, of the parabolas through three neighbors.
+/// At the two ends the slope of the same parabola, 2 chord - slope of the other end.
 std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
   const std::size_t n = x.size() - 1;
   std::vector<Vec2> chord(n), slope(n + 1);
@@ -82,6 +96,7 @@ std::vector<Vec2> slopes(const std::vector<Vec2>& x) {
 }
 
 /// The same where the edges follow arcs: their tangents away from the tip, `count` of them, each edge in so many parts.
+/// Arc parameters run evenly over the parts of a divided edge. The last vertex is the end of the edge before it.
 std::vector<Vec2> slopes_of_arcs(const Mesh& mesh, const Walk& w, std::size_t count, std::size_t parts) {
   std::vector<Vec2> slope(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -104,6 +119,7 @@ bool follow_arcs(const Mesh& mesh, std::span<const Index> edges) {
 }
 
 /// Cut where the curve has turned too far or comes back, so that it is a graph over the distance from the tip.
+/// At least one edge stays.
 void cut_to_graph(std::vector<Vec2>& x, const std::vector<Vec2>& slope) {
   constexpr double most_turn = 0.5;
   std::size_t last = 1;
@@ -124,6 +140,7 @@ std::vector<Vec2> places(const Mesh& mesh, const Walk& w, int divisions) {
   return x;
 }
 
+/// The tangent at the tip is that of the curve, not of its last chord: K follows its direction to first order.
 CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int divisions) {
   CrackTip tip{.crack = crack, .at_start = start, .at = mesh.points[w.vertices.front()]};
   std::vector<Vec2> x = places(mesh, w, divisions);
@@ -146,6 +163,7 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int 
 }
 
 /// `ends`: the edges of the boundary, of all cracks, and between materials.
+/// Not beyond the end of the smooth part: what follows is a kink, whose field is not that of the tip.
 double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) {
   std::vector<Index> own = tip.edges;
   std::sort(own.begin(), own.end());
@@ -158,6 +176,7 @@ double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) 
 
 }  // namespace
 
+/// The first vertex of a path has one crack edge if no other crack comes there; on the boundary it is a mouth.
 std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
   std::vector<bool> on_boundary(mesh.points.size(), false);
   std::vector<int> crack_edges(mesh.points.size(), 0);
@@ -180,6 +199,7 @@ std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
   return inside;
 }
 
+/// Edges that end the material are listed once for all tips; each tip leaves out those of its own smooth part.
 std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
   std::vector<Index> ends;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
@@ -200,6 +220,7 @@ std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
   return tips;
 }
 
+/// p and q vanish on a straight edge; the derivative follows by the product rule.
 CurvePoint curve_point(const CrackTip& tip, std::size_t edge, double t) {
   const Vec2 &a = tip.vertices[edge], &b = tip.vertices[edge + 1];
   const double l = (b - a).norm();
@@ -208,6 +229,8 @@ CurvePoint curve_point(const CrackTip& tip, std::size_t edge, double t) {
   return {a + t * (b - a) + t * s * (s * p - t * q), (b - a) + s * (s - 2 * t) * p - t * (2 * s - t) * q};
 }
 
+/// The angle of x against the crack at the same distance, plus that of the crack itself: along a curved crack the upper
+/// face has an angle near pi and the lower one near -pi, wherever the crack has turned to.
 double angle_about(const CrackTip& tip, const Vec2& x) {
   if (!tip.curved) return std::atan2(x.y(), x.x());
   // The crack at the same distance, seen from the direction straight back.
@@ -219,6 +242,8 @@ double angle_about(const CrackTip& tip, const Vec2& x) {
   const double half = a.dot(along), square = along.squaredNorm();
   double t = (std::sqrt(std::max(half * half + square * (r * r - a.squaredNorm()), 0.0)) - half) / square;
   Vec2 there = -(a + t * along);
+  // Newton's method for |x(t)| = r, from the point on the chord; the arc is near it, so that three steps reach
+  // rounding.
   if (tip.follows && t <= 1) {  // cells reach to the curve, not to its chord
     constexpr int steps = 3;
     const auto edge = static_cast<std::size_t>(after - v.begin()) - 1;

@@ -1,3 +1,9 @@
+// Error bars of a quantity T at corners and centroids from a better solution T_b, one order more with as many unknowns,
+//   half width = max(1.5 |T - T_b|, 1.3 times its typical size in two rings of triangles)      [theory: R.9].
+// If the better error is at most a third of the error e, then |T - T_b| >= 2/3 e. The second term is for points where
+// the difference changes sign. Also here: the sizes of the better mesh and the places where both are compared. Nothing
+// is guaranteed: the factors are measured. See "Error bars" in docs/theory/recovery_and_estimates.md.
+
 #include "solver/error_bars.hpp"
 
 #include "solver/post/blend.hpp"
@@ -13,6 +19,7 @@ namespace {
 constexpr double own = 1.5, of_neighbors = 1.3;
 
 /// Means over the triangles at each corner of a quantity per triangle.
+/// Corners, not vertices: values on the two faces of a crack do not mix.
 Eigen::VectorXd corner_means(const Corners& c, const Eigen::VectorXd& of_triangle) {
   const Eigen::Index corners = static_cast<Eigen::Index>(c.vertex.size());
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(corners), count = Eigen::VectorXd::Zero(corners);
@@ -24,6 +31,7 @@ Eigen::VectorXd corner_means(const Corners& c, const Eigen::VectorXd& of_triangl
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
+/// With corner_means one ring further each time.
 Eigen::VectorXd triangle_means(const Corners& c, const Eigen::VectorXd& of_corner) {
   Eigen::VectorXd mean(static_cast<Eigen::Index>(c.of.size()));
   for (std::size_t t = 0; t < c.of.size(); ++t)
@@ -33,6 +41,8 @@ Eigen::VectorXd triangle_means(const Corners& c, const Eigen::VectorXd& of_corne
 
 }  // namespace
 
+/// Per vertex the mean length of its edges over a factor: 8 at singular corners, 4 along curves that the mesh draws as
+/// chords. A turn above 1e-6 is more than rounding, one below 0.4 is no corner.
 std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::vector<bool>& singular, double longer) {
   constexpr double at_singular = 8, at_curved = 4;
   std::vector<double> size(mesh.points.size(), 0), count(mesh.points.size(), 0);
@@ -62,6 +72,8 @@ std::vector<double> better_sizes(const Mesh& mesh, const Corners& c, const std::
   return size;
 }
 
+/// A corner has a point in each of the triangles that share it; one of them is taken, the last. Where the better mesh
+/// has no triangle at a point (beside a curved side that it draws otherwise) the nearest one is taken.
 Places places(const Mesh& mesh, const Corners& c, const Mesh& better) {
   constexpr double inwards = 0.02;  // so that it is clear on which side of a crack a point lies
   Places p;
@@ -82,6 +94,7 @@ Places places(const Mesh& mesh, const Corners& c, const Mesh& better) {
   return p;
 }
 
+/// `values` and `better`: corners first, then centroids, as Places has them.
 ErrorBars error_bars(const Corners& c, const Eigen::VectorXd& values, const Eigen::VectorXd& better) {
   const auto corners = static_cast<Eigen::Index>(c.vertex.size()), triangles = static_cast<Eigen::Index>(c.of.size());
   const Eigen::VectorXd difference = (values - better).cwiseAbs(), root = difference.cwiseSqrt();
@@ -95,6 +108,7 @@ ErrorBars error_bars(const Corners& c, const Eigen::VectorXd& values, const Eige
   return bars;
 }
 
+/// The means around the three corners, blended as roots like the means themselves.
 double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, const PointIn& at, double difference) {
   const Shares share = shares_at(mesh, at);
   double root = 0;
@@ -103,11 +117,13 @@ double half_width_at(const Mesh& mesh, const Corners& c, const ErrorBars& bars, 
   return std::max(own * std::abs(difference), of_neighbors * root * root);
 }
 
+/// The element of degree k has the order k + 1, one more than e.
 const Element& better_element(const Element& e) {
   require(e, can_be_bettered);
   return element("bdms", e.order);
 }
 
+/// As many unknowns: edges of the better mesh are longer by the root of the ratio of unknowns per edge.
 double longer_edges(const Element& own) {
   // The unknowns of mixed elements are on edges, one and a half per triangle; others keep theirs elsewhere.
   if (!is_mixed(own) || per_edge(own) == 0) return 1;

@@ -1,3 +1,13 @@
+// The error indicator of mixed elements [Carstensen, Dolzmann 1998]. A strain with its rotation, D = A s + Gamma(omega)
+// + eigenstrain, would be a gradient: no curl in triangles, the same derivative along an edge from both sides. Per
+// triangle
+//   eta_T^2 = |as s|^2 + (2 mu)^2 (h^2 |curl D|^2 + sum_e w_e |e| |J_e|^2) + h^2 |f + div s|^2      [theory: R.4],
+//   J_e = [D tau] between triangles (w = 1/2), D tau - d_tau u_D on held components (w = 1), else 0   [theory: R.5].
+// On a crack the slope of the discrete jump is taken off; what is left counts along the normal where faces touch, along
+// the tangent where they stick. What the element does not see of the data is added per triangle, and an index that is
+// measured on the body (calibrate.cpp) turns eta into an error [theory: R.6]. An estimate, not a bound. Not for
+// displacement elements, whose gradients are compatible. docs/theory/recovery_and_estimates.md, "Error indicator".
+
 #include "kerf/adaptive.hpp"
 #include "solver/recovery.hpp"
 
@@ -32,6 +42,7 @@ struct Interior {
 };
 
 // Derivatives of a polynomial known at the quadrature points, by interpolation in (l1, l2).
+// Exact for polynomials of that degree: the rule determines them.
 struct Derivatives {
   Eigen::MatrixXd along[2];  // values at the points -> values of d/dl1, d/dl2 there
 };
@@ -45,6 +56,7 @@ Derivatives derivatives(const TriangleRule& rule, int degree) {
 }
 
 // The body force at the points of Kernel::rule: of what the rules do not resolve, its polynomial.
+// Where the rules do not resolve the force its own values at points would say nothing of the integral.
 Points force_on(const Model& m, Index t, const Points& x) {
   Points force = Points::Zero(2, x.cols());
   if (!m.scene.body) return force;
@@ -55,6 +67,9 @@ Points force_on(const Model& m, Index t, const Points& x) {
   return force;
 }
 
+/// Rows of D: d1 u1, d2 u1, d1 u2, d2 u2, so that curl of row i is d1 D_i2 - d2 D_i1. In curved triangles the
+/// derivatives along the reference coordinates are those of a function of the place through the map, D^-1 at every
+/// point.
 Interior interior_part(const Model& m, const Field& s, Index t, const Derivatives& d) {
   const Triangle shape = triangle(m, t);
   const TriangleRule& rule = m.inner->kernel.rule;
@@ -113,6 +128,8 @@ Interior interior_part(const Model& m, const Field& s, Index t, const Derivative
   return result;
 }
 
+/// D tau of one triangle on its three edges; neighbours are compared point by point, since both use the edge's own
+/// direction.
 EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& rule) {
   const Triangle shape = triangle(m, t);
   Points x(2, 3 * edge_points);
@@ -167,6 +184,9 @@ void add_displacement(const Support& support, const EdgeValues& v, Prescribed& p
 }
 
 // g less the trace functions: what no stress of the element takes on the edge.
+// Legendre polynomials beyond the trace functions hold what a stress of the element cannot take up. The rest beyond
+// degree 7 [theory: D.3] counts by its square or, where it changes rapidly, by `fading` times its norm times that of
+// its primitive.
 double unseen_traction(const Model& m, const EdgeValues& v) {
   static const EdgeRule rule = gauss(data_points);
   double square = 0;
@@ -191,6 +211,7 @@ struct EdgesWithData {
   std::vector<Index> place;
   std::vector<Prescribed> edges;
 };
+/// Several tractions on one edge add up; a support holds components of its own.
 EdgesWithData edges_with_data(const Model& m) {
   const SceneData& data = m.inner->data;
   EdgesWithData all{std::vector<Index>(m.mesh.edges.size(), none), {}};
@@ -220,6 +241,7 @@ EdgesWithData edges_with_data(const Model& m) {
 
 // d/dtau of the discrete jump of a crack edge in its frame: where a part of it is open, D tau jumps by as much. Of a
 // curved edge per length of its chord, and not in a frame, which turns.
+// Of the trace functions of the multiplier, which are polynomials.
 Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
   constexpr double step = 1e-4;  // central differences: exact to 1e-8 for the cubic functions of a trace
   const Eigen::VectorXd slope =
@@ -238,6 +260,7 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
 struct Faces {
   bool touch = false, stick = false;
 };
+/// An edge touches if one of its Gauss points does, and sticks if one that touches is held.
 Faces faces_of_edge(const Model& m, const Field& s, Index e) {
   const Skeleton& skeleton = m.inner->skeleton;
   Faces f;
@@ -261,6 +284,7 @@ struct EdgeResiduals {
   const EdgesWithData& data;
 
   // Across edge i of triangle t to `other`, at the Gauss point g; on a crack in its frame.
+  // D includes the eigenstrain: a jump of it between regions is no residual where the elastic strain makes up for it.
   Vec2 across(Index t, int i, Index other, int g) const {
     const Index e = m.mesh.edges_of[t][i];
     int j = 0;
@@ -276,6 +300,7 @@ struct EdgeResiduals {
   }
 
   // On the boundary, in the edge's frame.
+  // Where no data are prescribed the tangential derivative is free.
   Vec2 on_boundary(Index t, int i, int g) const {
     const Index e = m.mesh.edges_of[t][i];
     if (data.place[e] == none) return Vec2::Zero();
@@ -289,6 +314,8 @@ struct EdgeResiduals {
   }
 
   // Adds what edge i of triangle t has: |e| times an integral over it.
+  // An inner edge belongs to two triangles, hence the weight 1/2 on each; |e| times the integral over an edge of length
+  // |e| is the mean over its Gauss points times |e|^2.
   void add(Index t, int i, Interior& to) const {
     const Index e = m.mesh.edges_of[t][i];
     const Index other = m.mesh.sides[e][0] == t ? m.mesh.sides[e][1] : m.mesh.sides[e][0];
@@ -314,6 +341,8 @@ struct EdgeResiduals {
 
 }  // namespace
 
+/// Triangles at singular points have a smaller index: their eta is raised to what it would be in the regular part, so
+/// that equal eta stands for equal error when the mesh is refined.
 Indicator error_indicator(const Model& m, const State& s) {
   if (!can_estimate_error(m.element))  // their gradients are compatible, what they lack is equilibrium
     return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())), nan};

@@ -9,6 +9,7 @@
 // line behind the tip up to the crack, and all of P enters. J: the same with P_j = 1/2 s : grad u delta_1j - s_ij
 // u_i,1. I is linear in (s, u): a polynomial state, whose K = 0 and T are known, is taken out before the quadrature,
 // so that such states are exact.
+
 #include "kerf/fracture.hpp"
 #include "solver/recovery.hpp"
 #include "solver/shared_tips.hpp"
@@ -41,11 +42,14 @@ void all(const Sums& sums, std::initializer_list<double*> values) {
   for (double* v : values) *v = flat[i++];
 }
 
+/// Three rings of outer radii 1, .8, .6 of the room of the tip; the middle one gives the values, the differences
+/// between rings the spread.
 constexpr int rings = 3;
 constexpr int middle = 1;
 constexpr int auxiliary = 3;  // unit K_I, unit K_II, unit force
 
 /// q falls from 1 to 0 between the radii, twice continuously differentiable.
+/// q = 1 - t^3 (10 - 15 t + 6 t^2), t from the inner to the outer radius.
 struct Ring {
   double inner, outer;
 };
@@ -60,6 +64,7 @@ double cut_off_slope(const Ring& ring, double r) {
   return -30 * t * t * (1 - t) * (1 - t) / (ring.outer - ring.inner);
 }
 
+/// Each ring is 0.6 of its outer radius wide.
 std::array<Ring, rings> place_rings(double radius) {
   std::array<Ring, rings> ring;
   for (int k = 0; k < rings; ++k) {
@@ -73,6 +78,8 @@ using Auxiliary = LocalState;
 
 /// A tip under unit K_I, under unit K_II, under a unit force along x, at x in its frame and at that angle:
 /// Z = 1/sqrt(2 pi z) [Westergaard 1939]; s_rr = -cos(angle)/(pi r).
+/// turn = (kappa + 1)/(4 mu), kappa + 1 = 2 + 8 mu c [theory: F.1, F.2]. `angle` and not x decides on which side of the
+/// cut the root is: at a face x is the same for both.
 std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2& x, double angle) {
   if (!isotropic(m)) return orthotropic_tip_fields(m, x, angle);
   const double r = x.norm(), turn = (2 + 8 * m.mu * m.c) / (4 * m.mu);
@@ -94,6 +101,8 @@ std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2&
 using Integrals = Eigen::Matrix<double, auxiliary + 1, rings>;
 using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in the columns
 
+/// All fields are compared in the frame of the tip. An eigenstrain that is constant in the disc strains it without
+/// stress and is taken out of the gradients: its value at the tip.
 struct Disc {
   CrackTip tip;
   Material material;  // as seen in the frame of the tip; no ring reaches another one
@@ -110,6 +119,7 @@ Eigen::Matrix4Xd eigenstrain_beyond_tip(const Model& model, const Disc& disc, In
   return eigenstrain_at(model, disc.eigenstrain, t, x).colwise() - disc.at_tip;
 }
 
+/// The rotation enters the gradient alone; the mean rotation of the disc is taken out of it, which changes no integral.
 Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation,
                    const Eigen::Vector4d& free = Eigen::Vector4d::Zero()) {
   // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
@@ -136,6 +146,9 @@ LocalState less(const Disc& disc, const LocalState& state, const Vec2& at) {
   return {state.stress - smooth.stress, state.gradient - smooth.gradient};
 }
 
+/// All of (F.4) but the faces: - w (P . grad q + q rest), with grad q = q'(r) x/r; `rest` is f . u'_,1 less s' : e_,1
+/// for an eigenstrain e [theory: H.6], and for J, with the state itself in place of the auxiliary fields, the same
+/// terms of its own.
 Integrals over_triangle(const Model& model, const Field& state, const Disc& disc, Index t) {
   const Triangle shape = triangle(model, t);
   // q bends within a ring: small triangles see a parabola of it.
@@ -189,6 +202,7 @@ struct Cover {
   double elements = 0;
 };
 
+/// `elements`: the outer radius over the mean edge length sqrt(2 |T|) in the outer half of the disc.
 Cover cover(const Model& model, const Vec2& at, double inner, double outer, const Sums& sums) {
   const Mesh& mesh = model.mesh;
   Cover c;
@@ -277,6 +291,7 @@ double fluid_pressure(const Face& face, double t) {
 }
 
 /// Of a point of a curved edge, in its parameter away from the tip.
+/// Point k from the tip is Gauss point n - 1 - k of an edge that runs towards the tip.
 double trace_place(const Model& model, bool along_edge, int point) {
   const Eigen::VectorXd& s = model.inner->kernel.trace.s;
   return along_edge ? s[point] : 1 - s[s.size() - 1 - point];
@@ -298,6 +313,7 @@ struct Beside {
 
 /// lim g/sqrt(r) of the gap g at a tip, r the distance from it: as far as faces may close there [theory: F.9]. 0 where
 /// they touch before loading or overlap, infinite where they are apart up to the tip.
+/// With g = c sqrt(r) + d r, g/sqrt(r) at r and r/4 give c = 2 g(r/4)/sqrt(r/4) - g(r)/sqrt(r).
 double room_to_close(const CrackTip& tip, const CrackLaw& law) {
   constexpr double near = 1e-6;
   if (!has_gap(law)) return 0;
@@ -382,6 +398,7 @@ struct Spot {
   double place;   // on the edge, 0 to 1
 };
 
+/// Gauss points in sqrt(r): what grows like r^-1/2 towards the tip times dr is smooth in it.
 std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
   const EdgeRule rule = gauss(8);
   std::vector<Spot> spots;
@@ -404,6 +421,7 @@ std::vector<Spot> spots(const CrackTip& tip, std::size_t edge) {
 
 using Row = Eigen::Matrix<double, 1, rings>;
 
+/// (s n) with n to the upper face: contact or cohesion less the given pressure of a fluid, and friction.
 Vec2 traction(const Face& face, const Spot& p) {
   return (along_face(face, p.place, &CrackPoint::sigma_n) - fluid_pressure(face, p.place)) * p.n +
          along_face(face, p.place, &CrackPoint::sigma_t) * p.t;
@@ -428,6 +446,7 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
 }
 
 /// The share of the pressure of contact on the first of them.
+/// The integrals are linear in the tractions: the difference of two of them is that of the pressure alone.
 Integrals work_of_pressure_at_tip(const Disc& disc, const Face& first) {
   Face free = first;
   for (CrackPoint& p : free.points) p.sigma_n = 0;
@@ -487,6 +506,7 @@ Integrals work_of_fluid_rest(const Disc& disc, const CrackLaw& law, std::span<co
 /// The same for J on straight faces, int q s_12 d[u_1] and, of a fluid, int q s_22 d[u_2], as a sum over the points of
 /// the profile: exact for a uniform friction and pressure. Where faces were apart before, contact follows their gap and
 /// does work, too.
+/// By the trapezoidal rule from point to point, tractions with q; the jump is 0 at the tip.
 Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
   using Pair = Eigen::Matrix<double, 2, rings>;
   const bool apart = std::ranges::any_of(faces, [](const Face& f) {
@@ -514,6 +534,7 @@ Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
 }
 
 /// The fields beside a chord, turned into the direction of the curve.
+/// Both tensors are turned as the direction of the chord turns into that of the curve at the same place.
 Auxiliary along_curve(const Auxiliary& f, const Vec2& chord, const Spot& p) {
   const Vec2 along = -chord.normalized();
   const double c = along.dot(p.t), s = cross(along, p.t);
@@ -522,6 +543,7 @@ Auxiliary along_curve(const Auxiliary& f, const Vec2& chord, const Spot& p) {
 }
 
 /// P . n less the part of the traction s n on the auxiliary fields, and less all of it in J.
+/// P_j n_j = (s : grad u') n_1 - (s n) . u'_,1 - (s' n) . u_,1: the second term is that of work_of_tractions.
 Eigen::Vector4d flux(const Material& m, const Spot& p, const Auxiliary& f, bool upper) {
   const Vec2 out = upper ? Vec2(-p.n) : p.n;
   const auto unit = auxiliary_fields(m, p.at, upper ? p.upper : p.upper - 2 * pi);
@@ -589,6 +611,8 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
     }
     if (edge > poor) continue;
     const double near = a.norm(), far = b.norm();
+    // On the edges next to the tip the integrand is that of the next edge: constant, its share is far/(far - near);
+    // like r^-1/2, sqrt(far)/(sqrt(far) - sqrt(near)).
     const double constant = far / (far - near), root = std::sqrt(far) / (std::sqrt(far) - std::sqrt(near));
     sum.array().colwise() *= Eigen::Array4d(constant, constant, root, constant);
     work *= root;
@@ -618,6 +642,7 @@ double slope_of_closed_tip(const Material& m) {
 }
 
 /// What the integrals say, per ring.
+/// A column per ring; K_I and K_II are the rows of K.
 struct Factors {
   Eigen::Matrix<double, 2, rings> K;
   Row T, G;
@@ -627,6 +652,8 @@ struct Factors {
 /// `pressed`: the part of I that is of a pressure on the edge at the tip. Whether that edge is closed the rest says:
 /// K_I > 0 without it means that the tip is open, and nothing presses there; at a closed tip a positive term is
 /// missing.
+/// K = E'/2 I, T = E' I, G = |K|^2/E' [theory: F.5], in orthotropic bodies K = L I [theory: O.12]; I with the
+/// polynomial state taken out, whose T is added. `least` bounds the opening, hence K_I, from below.
 Factors factors(const Disc& disc, const Integrals& all, const Integrals& pressed, const Vec2& traction, double least) {
   const Integrals I = all - pressed;
   const double modulus = plane_modulus(disc.material);
@@ -652,6 +679,7 @@ Factors factors(const Disc& disc, const Integrals& all, const Integrals& pressed
 
 /// What the pressure of contact on the edge at a tip whose faces are apart does to K_I: where on the edge it ends is
 /// not known, so that all of it may be false.
+/// A pressure p on the length l at the tip has K_I = -2 p sqrt(2 l/pi).
 double unresolved_contact(const CrackTip& tip, const Face& first) {
   double largest = 0;
   for (const CrackPoint& p : first.points) largest = std::max(largest, -p.sigma_n);
@@ -666,6 +694,9 @@ TipIntensity unknown(const CrackTip& tip) {
   return t;
 }
 
+/// In the order of the method: rings that fit beside everything else, the rigid rotation and the polynomial state, what
+/// acts on the faces, the integrals, and K, T, G, J with their spreads. `safe`: rings end before the next boundary.
+/// With fewer than 1.5 elements between the tip and the outer circle there are no values.
 TipIntensity intensity(const Model& model, const Field& state, const Beside& crack, const Sums& sums = {}) {
   const CrackTip& tip = crack.tip;
   const std::span<const CrackPoint> profile = crack.profile;
@@ -707,6 +738,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   result.J = I(auxiliary, middle);
   result.radius = disc.ring[middle].outer;
   const auto relative = [](double difference, double size) { return size > 0 ? difference / size : 0; };
+  // Spreads are relative to |K|, or to what the mean stress would make of a crack of that radius, where K is small.
   const double size = std::max(K.col(middle).norm(), stress * std::sqrt(pi * result.radius));
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
@@ -735,6 +767,7 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
 
 }  // namespace
 
+/// Tips come in the order of the cracks, so that the profile of a crack is made once for both of its ends.
 std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
   std::vector<TipIntensity> tips;
   const double stress = mean_stress(model, state);
@@ -754,6 +787,7 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
   return tips;
 }
 
+/// What a process cannot see of the whole: the tip, the material there, and the pressure in the crack near it.
 struct SharedTips::Tip {
   CrackTip tip;
   Material material;
@@ -775,6 +809,8 @@ std::vector<EdgeValues> fluid_behind(const CrackTip& tip, const CrackLaw& law) {
 }
 
 /// Beside::here of a tip of the whole.
+/// Vertices of the tip lie ever farther from it, so that a search by distance finds the edge; places differ by rounding
+/// only.
 std::vector<Index> edges_here(const Mesh& mesh, const CrackTip& tip) {
   std::vector<Index> here(tip.edges.size(), none);
   for (const CrackEdge& c : mesh.cracks[static_cast<std::size_t>(tip.crack)]) {
@@ -809,6 +845,8 @@ Eigen::Vector4d eigenstrain_at_tip(const Model& part, const CrackTip& tip, const
 
 }  // namespace
 
+/// From the coarse mesh as if it were divided: the curve of the crack and the room of its tips are those of the fine
+/// mesh.
 SharedTips::SharedTips(const Mesh& mesh, const Scene& scene, int divisions) {
   for (CrackTip& tip : find_tips(mesh, divisions)) {
     Material material = material_at(mesh, scene, tip);
@@ -819,6 +857,8 @@ SharedTips::SharedTips(const Mesh& mesh, const Scene& scene, int divisions) {
 }
 SharedTips::~SharedTips() = default;
 
+/// The tips are those of the whole mesh, the same on all processes and in the same order: every process takes part in
+/// each sum, with the triangles and faces that it owns.
 std::vector<TipIntensity> SharedTips::intensities(const Model& part, const Field& state,
                                                   const std::vector<std::vector<CrackPoint>>& profiles,
                                                   const Sums& sums) const {

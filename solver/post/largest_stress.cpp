@@ -1,3 +1,6 @@
+// Where the von Mises stress is largest, on a lattice of the triangles around the largest corners: the first term of
+// the margins of printed maxima [theory: R.11].
+
 #include "solver/largest_stress.hpp"
 
 #include "solver/bounds/right_inverse.hpp"
@@ -12,6 +15,7 @@ namespace kerf {
 namespace {
 
 /// The component 33 of the eigenstrain.
+/// In plane strain it adds to s33, which the von Mises stress sees.
 double eigenstrain_33(const Model& model, const PointIn& p) {
   const StrainData& strain = model.inner->data.strain;
   if (strain.empty()) return 0;
@@ -22,6 +26,7 @@ double eigenstrain_33(const Model& model, const PointIn& p) {
 
 }  // namespace
 
+/// The lattice of degree 4 has 15 points per triangle, 12 of them on its edges.
 std::vector<PointIn> points_near_largest(const Model& model, const Corners& corners, const Eigen::VectorXd& at_corners,
                                          const std::function<bool(const Vec2&)>& excluded) {
   constexpr std::size_t most = 100;
@@ -49,6 +54,7 @@ std::vector<PointIn> points_near_largest(const Model& model, const Corners& corn
   return points;
 }
 
+/// From the stress of the element at the point, in the material of its triangle.
 Eigen::VectorXd von_mises_at(const Model& model, const Field& field, bool plane_strain,
                              std::span<const PointIn> points) {
   Eigen::VectorXd values(static_cast<Eigen::Index>(points.size()));
@@ -62,6 +68,7 @@ Eigen::VectorXd von_mises_at(const Model& model, const Field& field, bool plane_
   return values;
 }
 
+/// Both at the same points: the mean square sees a maximum that has moved, the difference of the two largest does not.
 double difference_of(const Eigen::VectorXd& own, const Eigen::VectorXd& better) {
   if (own.size() == 0) return nan;
   return std::max(std::abs(own.maxCoeff() - better.maxCoeff()),

@@ -1,3 +1,7 @@
+// Singular fields of a tip in an orthotropic material by divided differences of the two roots, which hold for equal
+// roots [theory: O.8, O.9, O.10, O.11; Sih, Paris, Irwin 1965], and K, G, T from the integrals with them [theory:
+// O.12].
+
 #include "solver/post/orthotropic_tip.hpp"
 
 #include "solver/element/local.hpp"
@@ -15,6 +19,8 @@ namespace {
 using Complex = std::complex<double>;
 
 /// sqrt(cos + p sin), continuous in the angle past the crack on either side.
+/// The argument of cos + p sin passes the negative axis behind the tip; there the root is that of the opposite
+/// direction times +-i, so that each face has its own sign.
 Complex root_at(const Complex& p, double angle) {
   constexpr double behind = pi / 2;
   if (std::abs(angle) <= behind) return std::sqrt(std::cos(angle) + p * std::sin(angle));
@@ -28,6 +34,7 @@ LocalState state_from_stress(const Material& m, const Eigen::Vector3d& s, double
 }
 
 /// The stress s_rr = e . L^-1 e_1/(-2 pi r S(angle)), S the compliance along the ray e: every ray is free.
+/// The displacement goes like -a ln r: its derivative across the ray gives the rotation [theory: O.11].
 LocalState under_force(const Material& m, const Vec2& e, double r) {
   const Vec2 a = -surface(m).inverse_L.col(0) / (2 * pi), across(-e.y(), e.x());
   const Mat2 ray = e * e.transpose(), own = strain(m, ray);
@@ -38,6 +45,7 @@ LocalState under_force(const Material& m, const Vec2& e, double r) {
 
 }  // namespace
 
+/// D is the divided difference of z^-1/2 between the roots, by a quotient that does not cancel when they are equal.
 std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& x, double angle) {
   const double r = x.norm(), size = 1 / std::sqrt(2 * pi * r);
   const Vec2 e(std::cos(angle), std::sin(angle));
@@ -55,6 +63,7 @@ std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& 
           state_from_stress(m, s_II, turn * (at_first * G + at_second * H).real()), under_force(m, e, r)};
 }
 
+/// The opening (L^-1 K)_2 is not below `least`; where it would be, K_I follows from it and from K_II.
 Vec2 orthotropic_factors(const Material& m, const Vec2& integrals, double least) {
   const Mat2 inverse_L = surface(m).inverse_L;
   const Vec2 K = inverse_L.inverse() * Vec2(integrals[1], integrals[0]);  // K_II, K_I
@@ -67,6 +76,7 @@ double orthotropic_release(const Material& m, const Vec2& K) {
   return 0.5 * k.dot(surface(m).inverse_L * k);
 }
 
+/// Solves I = b11 s11 + b16 s12 + (b12 - w) s22 for s11; `traction` has s12 and s22 of the faces.
 double orthotropic_t_stress(const Material& m, double integral, const Vec2& traction) {
   const PlaneCompliances b = compliances(m);
   return (integral - b.b16 * traction[0] - (b.b12 - surface(m).w) * traction[1]) / b.b11 - traction[1];

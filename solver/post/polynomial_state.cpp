@@ -1,3 +1,12 @@
+// States whose stress is a polynomial and in equilibrium, fitted to samples of a discrete state [theory: F.7].
+// Isotropic:
+//   s11 + s22 = 4 Re phi',  s22 - s11 + 2 i s12 = 2 (conj(z) phi'' + psi'),  rotation = -(kappa + 1)/(2 mu) Im phi',
+//   phi' = sum a_n z^n, psi' = sum b_n z^n, n <= degree      [Muskhelishvili 1953];
+// orthotropic with powers of both z_k = x + p_k y and their divided differences [theory: O.13]. A state under a uniform
+// body force is linear. Rotations count as stresses, times 2 mu. Least squares over the samples of all processes;
+// coefficients that the samples do not determine are 0 by the least norm. Interaction integrals of such a state are
+// known, so that fracture.cpp takes it out before the quadrature. docs/theory/fracture.md, "Polynomial states".
+
 #include "solver/post/polynomial_state.hpp"
 
 #include "base/dense.hpp"
@@ -17,6 +26,7 @@ namespace {
 using StateValues = Eigen::Vector4d;
 
 /// s11 + s22 = 4 Re phi', s22 - s11 + 2i s12 = 2 (conj(z) phi'' + psi'), rotation = -(kappa + 1)/(2 mu) Im phi'.
+/// `turning` is conj(z) phi'' + psi'.
 StateValues of_potentials(const Material& m, std::complex<double> phi, std::complex<double> turning) {
   const double trace = 4 * phi.real(), kappa_plus_1 = 2 + 8 * m.mu * m.c;
   return {trace / 2 - turning.real(), trace / 2 + turning.real(), turning.imag(), -kappa_plus_1 * phi.imag()};
@@ -24,6 +34,7 @@ StateValues of_potentials(const Material& m, std::complex<double> phi, std::comp
 
 /// F'' = Re sum f_k(x + p_k y) with f_k' = A z^n for the first root and with the divided difference of both, B (z_1^n,
 /// - z_2^n)/(p_1 - p_2), which stays for equal roots [theory: O.13].
+/// Columns 4 n to 4 n + 3: real and imaginary part of A, then of B, of degree n.
 Eigen::Matrix4Xd orthotropic_basis(const Material& m, int degree, const Vec2& x) {
   Eigen::Matrix4Xd values(4, 4 * (degree + 1));
   using Complex = std::complex<double>;
@@ -65,6 +76,7 @@ Eigen::Matrix4Xd basis(const Material& m, int degree, std::complex<double> z) {
 }
 
 /// s11 = -f1 x, s22 = -f2 y: in balance with f, and compatible because it is linear.
+/// The rotation of an orthotropic material stands below (O.13) in docs/theory/orthotropic.md.
 StateValues of_force(const Material& m, const Vec2& f, const Vec2& x) {
   if (!isotropic(m)) {
     const PlaneCompliances b = compliances(m);
@@ -92,6 +104,7 @@ LocalState PolynomialState::at(const Vec2& x) const {
   return state_from_values(material, b.leftCols(coefficients.size()) * coefficients + of_force(material, force, x));
 }
 
+/// s_xx - s_yy = -2 Re psi' at 0, and column 2 is Re b_0.
 double PolynomialState::t_stress() const {
   if (!isotropic(material)) {
     const Mat2 s = at(Vec2::Zero()).stress;
@@ -100,6 +113,8 @@ double PolynomialState::t_stress() const {
   return coefficients.size() > 2 ? -2 * coefficients[2] : 0;
 }
 
+/// Places are divided by the distance of the farthest sample: the powers stay below 1. The normal matrix is of size 4
+/// (degree + 1); `sums` adds it over processes.
 PolynomialState fit_state(const Material& material, int degree, const Vec2& force,
                           const std::vector<StateSample>& samples, const Sums& sums) {
   PolynomialState state{.material = material, .degree = degree, .force = force, .coefficients = {}};
@@ -124,6 +139,7 @@ PolynomialState fit_state(const Material& material, int degree, const Vec2& forc
   return state;
 }
 
+/// Isotropic: s11 = s22 = 2 Re a_0.
 PolynomialState uniform_pressure(const Material& material, double stress) {
   if (!isotropic(material)) {
     const Eigen::Matrix4d constant = orthotropic_basis(material, 0, Vec2::Zero());

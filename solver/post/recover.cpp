@@ -1,3 +1,13 @@
+// Displacements of one degree more than the stresses, corner values, and the profiles of cracks. On each triangle of a
+// mixed element u* solves, for all polynomials v of its degree,
+//   (grad u*, grad v) = (A s + Gamma(omega) + eigenstrain, grad v),   int u* = int u      [Stenberg 1991; theory: R.1],
+// by monomials of degree 1 to D about the centroid, of which the mean is taken off. Straight triangles take the tables
+// of the reference triangle and the metric of the map; curved ones integrate on the body. Each has its transpose
+// (weigh_*), which carries the derivative of a functional of u* back to the coefficients of s, u, omega: step by step
+// backwards, so that it is exact. recovered_lanes is the same for several fields side by side. Displacement elements
+// have their own u. The rest of the file reads points of cracks: jumps, pressures, and whether the faces touch.
+// docs/theory/recovery_and_estimates.md.
+
 #include "kerf/recover.hpp"
 
 #include "solver/recovery.hpp"
@@ -78,6 +88,8 @@ void add_orthotropic(const Material& m, const Eigen::Vector4d& s, Eigen::Ref<Eig
 // Straight triangles: u* = mean + sum_k c_k (v_k - mean v_k), v_k the monomials of degree 1 to D in scaled barycentric
 // coordinates, in which all that does not depend on the triangle's shape is tabled. D lies above the degree of the
 // strains, which is that of the stresses without their bubbles.
+// With G = grad v in the scaled coordinates and M = inverse of the map, (grad v_i, grad v_j) = G_i M M' G_j': three
+// tables.
 template <int D>
 struct Tables {
   static constexpr int n = Monomials<D>::count;
@@ -90,6 +102,8 @@ struct Tables {
   static Vec2 coordinates(const Vec2& l) {
     return scale * (l - Vec2::Constant(1.0 / 3));
   }
+  /// Products of gradients by the rule of the element, exact for them; one table for each of the two rules that may
+  /// occur.
   explicit Tables(const TriangleRule& rule) {
     for (Matrix& s : stiffness) s.setZero();
     mean.setZero();
@@ -143,6 +157,8 @@ struct StraightProjection {
 };
 
 template <int D>
+/// load_k = sum_q w_q grad v_k . D with D = A s + Gamma(omega) + eigenstrain; the stiffness is factorized once per
+/// triangle for both components.
 Points recovered_straight(const Model& model, const Triangle& shape, const Eigen::Ref<const Eigen::VectorXd>& interior,
                           Index t, const Points& x, double eigenstrain) {
   const StraightProjection<D> p(model.inner->kernel, shape);
@@ -193,6 +209,8 @@ Points recovered(const Model& model, const Eigen::Ref<const Eigen::VectorXd>& in
 }
 
 template <int D>
+/// As for one field, with the inverse of the stiffness: it is applied to sixteen right-hand sides. Isotropic materials
+/// alone, gradients without eigenstrain, which the caller adds to the stress.
 void recovered_side_by_side(const Model& model, Index t, const double* fields, const Points& x, double* u) {
   using Row = Eigen::Array<double, 1, lanes>;
   using ByLane = Eigen::Matrix<double, Projection<D>::n, 2 * lanes, Eigen::RowMajor>;
@@ -228,6 +246,7 @@ void recovered_side_by_side(const Model& model, Index t, const double* fields, c
 }
 
 // By the stresses, from the derivative by the gradient d1 u1, d2 u1, d1 u2, d2 u2.
+// The transpose of A, which is symmetric.
 Eigen::Vector4d by_stress(const Material& m, const Eigen::Vector4d& d) {
   const double difference = (d[0] - d[3]) / (4 * m.mu), trace = m.c * (d[0] + d[3]);
   Eigen::Vector4d s(difference + trace, d[1] / (2 * m.mu), d[2] / (2 * m.mu), trace - difference);
@@ -237,6 +256,8 @@ Eigen::Vector4d by_stress(const Material& m, const Eigen::Vector4d& d) {
 
 // The transpose, step by step backwards.
 template <int D>
+/// u(x) = mean + c' (v(x) - mean v), c = K^-1 load(D): the weights of u give those of c and of the mean, these those of
+/// D, and D is linear in the stress and the rotation.
 Eigen::VectorXd weigh_straight(const Model& model, const Triangle& shape, Index t, const Points& x,
                                const Points& weights) {
   const StraightProjection<D> p(model.inner->kernel, shape);
@@ -287,6 +308,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
 
 /// visit<D>(), D the degree of u*.
 template <class Visit>
+/// One degree more than the stresses without bubbles, 2 to 5.
 auto by_degree(const Model& model, const Visit& visit) {
   switch (model.element.stress) {
     case 1:
@@ -302,6 +324,7 @@ auto by_degree(const Model& model, const Visit& visit) {
 
 }  // namespace
 
+/// Order d1 u1, d2 u1, d1 u2, d2 u2; the rotation has the sign of (N.1), + in d2 u1.
 Eigen::Vector4d displacement_gradient(const Material& m, const Eigen::Vector4d& s, double rotation) {
   const double trace = s[0] + s[3], pressure = m.c * trace;
   const double difference = 0.5 * (s[0] - s[3]) / (2 * m.mu);
@@ -334,6 +357,7 @@ Eigen::VectorXd weigh_recovered(const Model& model, Index t, const Points& x, co
   return by_degree(model, [&]<int D>() { return weigh_recovered<D>(model, t, x, weights); });
 }
 
+/// Averages over the triangles at a corner, weighted by area; corners on the two sides of a crack are different ones.
 CornerValues corner_values(const Model& model, const Field& state, const Corners& corners) {
   const Index triangles = static_cast<Index>(model.mesh.triangles.size());
   const Eigen::Index n = static_cast<Eigen::Index>(corners.vertex.size());
@@ -371,6 +395,7 @@ std::vector<Material> corner_materials(const Model& model, const Corners& corner
   return materials;
 }
 
+/// Of several triangles at a corner the last one.
 Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners) {
   Eigen::MatrixXd strains = Eigen::MatrixXd::Zero(5, static_cast<Eigen::Index>(corners.vertex.size()));
   const StrainData& data = model.inner->data.strain;
@@ -384,6 +409,7 @@ Eigen::MatrixXd corner_eigenstrains(const Model& model, const Corners& corners) 
   return strains;
 }
 
+/// The root of the mean of |s|^2 at centroids, over the triangles that the process owns.
 double mean_stress(const Model& model, const Field& state) {
   double square = 0;
   for (Index t = 0; t < own_triangles(model); ++t) {
@@ -394,6 +420,7 @@ double mean_stress(const Model& model, const Field& state) {
   return std::sqrt(square / area(model));
 }
 
+/// Of the material on the left of the crack's first edge.
 double modulus_beside(const Model& model, Index crack) {
   const Index beside = model.mesh.sides[model.mesh.cracks[crack].front().edge][0];
   return plane_modulus(material_of(model.mesh, model.scene, beside));
@@ -402,6 +429,7 @@ double modulus_beside(const Model& model, Index crack) {
 namespace {
 
 // Below these a pressure or a gap is rounding: relative to the opening that the mean stress could cause.
+// A jump that is the difference of two large rigid motions has their rounding: hence the second bound.
 struct Smallest {
   double pressure, gap;
 };
@@ -414,6 +442,7 @@ Smallest smallest(const Model& model, const Field& field, Index crack, double cr
 }
 
 // The jumps and the forces of contact at the Gauss points of mixed elements.
+// Forces of contact are per edge and Gauss point: over the length of the point's share they are tractions.
 void read_jump(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
   const Index unknown = model.inner->skeleton.jump[edge] + 2 * g;
   p.jump_n = field.skeleton[unknown];
@@ -435,6 +464,7 @@ void evaluate_jump(const Model& model, const Field& field, Index edge, CrackPoin
 }
 
 // What a bonded crack transmits: the stress on its left.
+// The stress at the point in the triangle on the left; tension is positive, shear as in CrackPoint.
 void evaluate_traction(const Model& model, const Field& field, Index edge, int g, CrackPoint& p) {
   const Index left = model.mesh.sides[edge][0];
   const Eigen::Vector4d v = stress_at(model.inner->kernel, triangle(model, left), field.interior.col(left), p.at);
@@ -444,6 +474,7 @@ void evaluate_traction(const Model& model, const Field& field, Index edge, int g
   p.sigma_t = -traction.dot(frame.col(1));
 }
 
+/// Neither pressure nor gap: biactive, where a small change of the load may open or close the point.
 CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smallest& least) {
   const bool gap = p.distance() > least.gap, pressure = p.contact_pressure() > least.pressure;
   if (law == CrackLaw::Kind::Bonded || pressure) return CrackPoint::Status::Closed;
@@ -452,6 +483,7 @@ CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smal
 
 }  // namespace
 
+/// Along a curved edge by Gauss points of |dx/ds|.
 double length_along(const Model& model, Index edge) {
   const Bows& bows = model.inner->skeleton.bows;
   if (!bow_at(bows, edge)) return length(model.mesh, edge);
@@ -462,6 +494,8 @@ double length_along(const Model& model, Index edge) {
   return sum;
 }
 
+/// Points run along the path of the crack, edges that lie against it are read backwards. `done` counts lengths along
+/// curves, so that s is the arc length.
 std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, Index crack) {
   const CrackLaw::Kind law = model.scene.laws[crack].kind;
   const bool mixed = is_mixed(model.element);

@@ -1,3 +1,14 @@
+// A stress of higher order at points [Zienkiewicz, Zhu 1992], from polynomials fitted to the discrete stress around
+// corners:
+//   min over pi in P_d of  sum_T |T|/(0.1 + delta_T^2) |mean_T pi - mean_T s|^2   (orders 1 and 2, two rings)   or
+//   min over pi in P_d of  sum_T int_T |pi - s|^2   (above, one ring)      [theory: R.2],
+// delta_T the distance of the centroid from the corner over the largest in the patch. At a point the polynomials of the
+// three corners are blended by barycentric coordinates [theory: R.3]. Patches do not cross cracks, nor corners where
+// the stress may be infinite; around those the discrete stress is kept. Corners are fitted four at a time, in packs,
+// and the normal matrix is shared by all fields of one mesh; where it is close to singular a corner is fitted alone, by
+// a lower degree. Equilibrium, functionals and bounds never use this stress. docs/theory/recovery_and_estimates.md,
+// "Stresses".
+
 #include "solver/recover_stress.hpp"
 #include "solver/post/blend.hpp"
 #include "solver/recovery.hpp"
@@ -39,6 +50,8 @@ Monomial<P> monomial(double x, double y) {
 }
 
 // The moments of a triangle, from its corners about the centroid.
+// Means of monomials over a triangle are sums over its corners: of x^2 about the centroid (1/12) sum d_i^2, of x^3
+// (1/30) sum d_i^3.
 struct Moments {
   Vec2 center = Vec2::Zero();
   double area = 0;
@@ -57,6 +70,7 @@ void set_moments(Moments& m, const Triangle& t) {
   }
 }
 
+/// The middles of the edges integrate quadratics exactly.
 Eigen::Vector3d mean_stress_of(const FieldToRecover& of, Index t) {
   const Model& m = of.model;
   const Triangle shape = triangle(m, t);
@@ -92,6 +106,8 @@ struct FourCorners {
   Pack x, y, reach;
 };
 
+/// `set` fills m with the means of the monomials over the triangle: the monomial at the centroid plus moments of the
+/// differences. The weight falls with the distance, so that far triangles of irregular patches count less.
 class Means {
  public:
   static constexpr int per_triangle = 1;
@@ -150,6 +166,7 @@ class Means {
   std::vector<Moments> of_;
 };
 
+/// Six points of a rule of degree 4 per triangle, weighted by area.
 class StressValues {
  public:
   static constexpr int per_triangle = 6;
@@ -227,6 +244,7 @@ struct PatchSize {
 
 // Rings of triangles around one corner after the other. Neighbors across a singular corner do not count: it sees both
 // faces of a crack.
+// `seen_` and `passed_` hold the number of the corner that was served last: nothing is cleared between corners.
 class Patch {
  public:
   Patch(const Corners& c, const Lists& places, const std::vector<bool>& singular)
@@ -268,6 +286,8 @@ class Patch {
 
 // Weighted least squares; falls back to lower degrees where the samples do not determine the fit. Of the normal matrix
 // what is below the diagonal.
+// Elimination without pivoting in the order of the degrees: the first pivot below least_pivot of its diagonal drops its
+// degree and all above.
 template <int P>
 class Fit {
  public:
@@ -313,12 +333,15 @@ class Fit {
 
 // The fits at four corners side by side, of all fields: the normal matrix is one for them. What a corner gets does not
 // depend on the other three.
+// A lane without a corner, or a sample that a smaller patch lacks, has the weight 0.
 template <int P, class Samples>
 class FourFits {
  public:
   FourFits(const Samples& samples, const std::vector<Vec2>& points) : samples_(samples), points_(points) {}
 
   /// `around`: the triangles around each corner, which are at points[vertex].
+  /// Monomials in (x - corner)/reach, reach the farthest centroid of the patch: they stay of the order 1, and
+  /// `least_pivot` means the same for every patch. The Cholesky factor has 1/sqrt(pivot) on its diagonal.
   void set(const std::array<std::vector<Index>, pack_size>& around, const std::array<Index, pack_size>& vertex) {
     around_ = &around;
     std::size_t triangles = 0;
@@ -405,6 +428,7 @@ class FourFits {
   static auto by(const std::vector<Pack>& rows, int columns) {
     return [data = rows.data(), columns](int k, int i) { return data[k * columns + i]; };
   }
+  /// The packed factor is of no use where its pivots are small; this one drops degrees.
   void solve_alone(int lane, double* to) const {
     Fit<P> fit;
     const auto terms = static_cast<int>((*around_)[static_cast<std::size_t>(lane)].size()) * Samples::per_triangle;
@@ -430,12 +454,14 @@ class FourFits {
 };
 
 template <int P>
+/// The sum of coefficients times the monomials in (x - corner)/reach.
 Eigen::Vector3d value(const RecoveredStress& r, Index corner, const Vec2& from_corner) {
   const Vec2 d = from_corner / r.reach[corner];
   return Eigen::Map<const Eigen::Matrix<double, 3, dim(P)>>(r.coefficients.col(corner).data()) *
          monomial<P>(d.x(), d.y());
 }
 
+/// One corner without a polynomial is enough: its share of the blend would be missing.
 bool is_kept(const RecoveredStress& r, const Corners& c, Index t) {
   return r.kept[c.of[t][0]] || r.kept[c.of[t][1]] || r.kept[c.of[t][2]];
 }
@@ -473,6 +499,8 @@ std::vector<bool> wanted_corners(const Corners& c, const std::vector<bool>& want
 }
 
 template <int P, class Samples>
+/// Corners are served in their order in blocks of threads, four at a time; what a corner gets does not depend on its
+/// pack, so that bits do not depend on the number of threads.
 std::vector<RecoveredStress> fitted(std::span<const FieldToRecover> fields, const Corners& c,
                                     const std::vector<bool>& singular, const std::vector<bool>& wanted,
                                     const PatchSize& size) {
@@ -557,6 +585,7 @@ std::vector<bool> contact_changes(const Model& model, const Field& state) {
 }
 
 // Per corner the angle that its triangles fill; 0 inside the body.
+// At a tip 2 pi, at a reentrant corner more than pi.
 std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
   std::vector<bool> edge(mesh.points.size(), false);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e)
@@ -576,6 +605,7 @@ std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
 
 }  // namespace
 
+/// At a tip and at a reentrant corner by the angle, at ends of contact by the forces.
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c) {
   const std::vector<bool> changes = contact_changes(model, state);
   const std::vector<double> angle = corner_angles(model.mesh, c);
@@ -584,6 +614,8 @@ std::vector<bool> singular_corners(const Model& model, const Field& state, const
   return result;
 }
 
+/// A patch of means needs more triangles than the polynomial has coefficients: four more, from a further ring at
+/// boundaries.
 std::vector<RecoveredStress> recover_stresses(std::span<const FieldToRecover> fields, const Corners& c,
                                               const std::vector<bool>& singular, const std::vector<bool>& wanted) {
   if (fields.empty()) return {};
@@ -607,6 +639,8 @@ RecoveredStress recover_stress(const Model& m, const Field& s, const Corners& c,
   return std::move(recover_stresses({&alone, 1}, c, singular).front());
 }
 
+/// Cross products of the corners seen from the point. On a curved triangle these are the coordinates of the triangle of
+/// its corners, which need not lie between 0 and 1.
 Shares shares_at(const Mesh& mesh, const PointIn& at) {
   const auto& v = mesh.triangles[at.triangle];
   Shares s{{}, 0};

@@ -1,3 +1,9 @@
+// Forces and moments about the origin: of tractions per label, of the body force, and of supports,
+//   force = sum over held components d of (int sigma n . d - load) d,   moment = sum cross(x, force).
+// In mixed elements the moments of sigma n with the trace functions act as forces at the Gauss points of the trace. In
+// displacement elements the forces on nodes are K u - F summed over triangles, less the loads. Loads come from their
+// data, by rules of the data's degree.
+
 #include "solver/resultants.hpp"
 
 #include "solver/element/local.hpp"
@@ -18,12 +24,14 @@ Index inside(const Mesh& mesh, Index e) {
 }
 
 // Forces of the triangles and of the loads on the unknowns of a supported edge, along the directions that are held.
+// Only directions that are held count: along the others the loads and the stress balance by themselves.
 class Holding {
  public:
   Holding(const Model& m, const Field& s)
       : m_(m), s_(s), loads_(traction_loads(m.mesh, m.inner->kernel, m.inner->skeleton, m.inner->data)) {}
 
   // Mixed: moments of the normal stress with the trace functions, as forces at the Gauss points.
+  // Moments with the trace functions, one per Gauss point, on a curved edge with the normal times |dx/ds|.
   void add_mixed(Index e, Resultant& r) const {
     const Kernel& k = m_.inner->kernel;
     const Skeleton& skeleton = m_.inner->skeleton;
@@ -50,6 +58,7 @@ class Holding {
   }
 
   // Displacement elements: forces on all unknowns, from every triangle.
+  // What the triangles pull at a node, less its loads: at a free node it is 0 up to the residual of the solution.
   Eigen::VectorXd nodal_forces() const {
     Eigen::VectorXd force = -loads_;
     for (Index t = 0; t < static_cast<Index>(m_.mesh.triangles.size()); ++t) {
@@ -75,6 +84,7 @@ void add_node(const Skeleton& s, const Eigen::VectorXd& force, Index unknown, co
     if (s.fixed[unknown + d]) r.add(at, force[unknown + d] * frame.col(d));
 }
 
+/// A node at a corner belongs to several edges and is counted for the first of them.
 void add_nodes(const Model& m, const Field& state, std::vector<LabelResultant>& all) {
   const Skeleton& s = m.inner->skeleton;
   const Eigen::VectorXd force = Holding(m, state).nodal_forces();
@@ -97,6 +107,7 @@ void add_nodes(const Model& m, const Field& state, std::vector<LabelResultant>& 
 
 }  // namespace
 
+/// Values are those at the Gauss points of the data; on a curved edge per length of its chord.
 std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bows, const Scene& scene,
                                                 const SceneData& data) {
   const EdgeRule rule = gauss(data_points);
@@ -126,6 +137,7 @@ Resultant body_resultant(const Mesh& mesh, const Bows& bows, const Scene& scene,
   return r;
 }
 
+/// Each edge counts once, to the first support that names it, and on the process that owns the triangle beside it.
 std::vector<LabelResultant> reactions(const Model& m, const Field& s) {
   std::vector<LabelResultant> all;
   if (!is_mixed(m.element)) {

@@ -1,3 +1,6 @@
+// An estimate of the error of K_II that false pressure at a sliding tip makes by way of friction: delta K_II =
+// sqrt(2/pi) int r^-1/2 tau dr with tau the friction on what the pressure has beyond a line [theory: F.8].
+
 #include "solver/post/slip_error.hpp"
 
 #include <algorithm>
@@ -17,6 +20,7 @@ struct Stretch {
   }
 };
 
+/// Lengths along the crack from the tip, the points' shares one after the other.
 std::vector<Stretch> from_tip(const CrackTip& tip, std::span<const CrackPoint> profile) {
   std::vector<Stretch> all;
   double s = 0;
@@ -33,6 +37,7 @@ struct Line {
   double a, b;
 };
 
+/// Normal equations of two unknowns; a single point gives its own value.
 Line line_through(std::span<const Stretch> points) {
   double one = 0, r = 0, rr = 0, p = 0, rp = 0;
   for (const Stretch& x : points) {
@@ -46,6 +51,8 @@ Line line_through(std::span<const Stretch> points) {
 
 }  // namespace
 
+/// int r^-1/2 dr over a stretch is 2 (sqrt(to) - sqrt(from)). The largest partial sum from the tip counts: what is
+/// false may end anywhere.
 double slip_error(const CrackTip& tip, const CrackLaw& law, std::span<const CrackPoint> profile, double length) {
   // Measured on exact stick-slip cracks: the sums below times 5 and 2 miss no error, and fall to a few 1e-4 of K_II on
   // mirrored meshes.

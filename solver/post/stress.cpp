@@ -1,3 +1,11 @@
+// Scalars of the stress (von Mises, principal stresses), and the places where it may be infinite: tips, kinks and
+// junctions of cracks, corners between materials, reentrant corners, and the ends of supports. Whether the corner of an
+// angle between two sides that are free, held or on rollers is singular follows from the exponents of its
+// eigenfunctions [Williams 1952]: a free or a clamped corner above pi; free beside clamped counts at any angle; a
+// roller continues the body as its mirror image, which doubles the angle. Where a crack meets rollers squarely its
+// mirror image goes on behind them, and its end is no tip. With d = (s11 - s22)/2 and t = (s11 + s22)/2
+//   sigma_vM^2 = 3 (d^2 + s12^2) + m^2,   m = t in plane stress and (1 - 2 nu) t + E e33 in plane strain.
+
 #include "solver/stress.hpp"
 
 #include "geometry/plane.hpp"
@@ -20,6 +28,7 @@ Index end_of(const Mesh& mesh, const CrackEdge& c) {
   return mesh.edges[c.edge][c.forward ? 1 : 0];
 }
 
+/// A vertex that two cracks name.
 void add_junctions(const Mesh& mesh, Vertices& vertices) {
   std::vector<Index> crack_at(mesh.points.size(), none);
   for (std::size_t number = 0; number < mesh.cracks.size(); ++number)
@@ -30,9 +39,11 @@ void add_junctions(const Mesh& mesh, Vertices& vertices) {
       }
 }
 
+/// About 3 degrees: less is a chord of a curve, or rounding.
 constexpr double kink = 0.05;  // radians
 
 /// Whether the supports hold a side along its normal `n` alone.
+/// Along the normal of the side itself: of one that is not parallel to an axis by a support in the normal frame alone.
 bool on_rollers(const Scene& scene, Index label, const Vec2& n) {
   bool held = false;
   for (const Support& support : scene.supports) {
@@ -63,6 +74,7 @@ std::vector<Vec2> normals_of_rollers(const Mesh& mesh, const Scene& scene) {
   return normal;
 }
 
+/// The edges of a crack with a law that has a normal of its own are chords of a curve, and their turns are no kinks.
 void add_ends_and_kinks(const Mesh& mesh, const Scene& scene, Vertices& vertices) {
   const std::vector<Vec2> rollers = normals_of_rollers(mesh, scene);
   const auto is_mirrored = [&](Index v, Index next) {
@@ -85,6 +97,7 @@ void add_ends_and_kinks(const Mesh& mesh, const Scene& scene, Vertices& vertices
   }
 }
 
+/// Only where two edges of a border meet: where three regions meet nothing is said here.
 void add_corners_between_materials(const Mesh& mesh, Vertices& vertices) {
   if (mesh.region.empty()) return;
   constexpr double straight = -0.94;  // cosine of 160 degrees; polygonal arcs turn by less per vertex
@@ -111,6 +124,7 @@ std::vector<double> angles(const Mesh& mesh) {
 }
 
 // How a piece of the boundary is held.
+// Normal: rollers on a straight side. Else: one component that is not the normal one.
 enum class Held { Free, Fully, Normal, Else };
 
 Held held(const Scene& scene, Index label, const Vec2& n) {
@@ -123,6 +137,7 @@ Held held(const Scene& scene, Index label, const Vec2& n) {
 }
 
 /// By how much an edge turns the angle of the body at its end `v`, where its arc leaves the chord.
+/// Angles of triangles are those between chords; the body's own angle is that between tangents.
 double turned_by_arc(const Mesh& mesh, Index e, Index v) {
   if (mesh.arc.empty() || mesh.arc[e] == none) return 0;
   const bool starts = mesh.edges[e][0] == v;
@@ -146,6 +161,7 @@ bool is_singular(double angle, Held one, Held other) {
   return !(mirrors(one, other) || mirrors(other, one)) || angle > square;
 }
 
+/// Pairs of boundary edges at a vertex, in the order of their numbers; the angle is that of all triangles around it.
 void add_corners_and_ends_of_supports(const Model& model, Vertices& vertices) {
   const Mesh& mesh = model.mesh;
   std::vector<double> angle = angles(mesh);
@@ -170,6 +186,7 @@ Eigen::Vector3d symmetric_part(const Eigen::Vector4d& s) {
 }
 
 // 4 mu c = 1 - 2 nu in plane strain.
+// E = 2 mu (1 + nu) = mu (3 - 4 mu c), as nu = (1 - 4 mu c)/2.
 double von_mises(const Material& m, bool plane_strain, const Eigen::Vector4d& s, double e33) {
   const double mean = 0.5 * (s[0] + s[3]), difference = 0.5 * (s[0] - s[3]), shear = 0.5 * (s[1] + s[2]);
   const double share = plane_strain ? 4 * m.mu * m.c : 1, young = m.mu * (3 - 4 * m.mu * m.c);
