@@ -1,6 +1,5 @@
 // Syntax trees of expressions: recursive descent over muParser's grammar. From the weakest to the strongest binding
-//   c ? a : b   ||   &&   comparisons (all alike, from the left)   + -   * / and signs   ^ (from the right, over
-//   signs),
+//   c ? a : b,  ||,  &&,  comparisons (all alike, from the left),  + -,  * /,  signs,  ^ (from the right),
 // so that -x^2 is -(x^2) and x^-1 is allowed. Nodes are stored after those that they refer to; equal nodes are stored
 // once (found by their hash), so that a part that appears twice, or a definition used in many places, is evaluated
 // once, and x*x is seen as a square. A comparison becomes one of a difference with 0, min and max of many a chain of
