@@ -1,4 +1,8 @@
-// What the first process tells the others, as bytes and back.
+// What the first process tells the others, as bytes and back: the undivided mesh, which process has which triangle,
+// what is wanted, and what must be known of the whole body. packed() and unpacked() list the same fields in the same
+// order; a field that one of them lacks shifts all that follow. Bytes are those of memory: all processes run the same
+// program on machines of one kind. The first letter tells this task from that of app/farm.cpp. Of arcs as many are read
+// as edges have one, since each arc of a mesh belongs to one edge.
 
 #include "app/part_task.hpp"
 

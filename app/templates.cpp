@@ -1,3 +1,7 @@
+// Commented cases for `kerf init`, as texts: a plate with a hole, a cracked plate, and others, each with a line of
+// description. They are cases like any other. A new template is a text and a row in the table at the end. Comments in
+// them explain keys to users; docs/case-files.md has all keys.
+
 #include "app/templates.hpp"
 
 namespace kerf {

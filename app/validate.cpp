@@ -1,3 +1,5 @@
+// The validation of a run: solved, written, drawn.
+
 #include "app/validate.hpp"
 
 #include "io/drawn_change.hpp"
