@@ -23,7 +23,7 @@ class Processes {
 
   /// Loads the module and starts MPI. Throws Error(Usage) when there is none. Returns the number of this process.
   int start();
-  /// Of all but the first: works until there is no more to do. `work`: what `work` asks the others for.
+  /// Of all but the first: works until there is no more to do. `with`: what `work` asks the others for.
   void serve(const std::function<void(std::string_view task, Peers&)>& with = {});
   /// Of the first: with further options of PETSc, as on a command line. Throws Error(Usage) for what is none.
   std::shared_ptr<Ranks> ranks(const std::string& options);

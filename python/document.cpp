@@ -1,3 +1,10 @@
+// Python objects as documents of kerf's reader, and functions of Python as expressions. bool comes before int, of which
+// it is a kind; arrays and numbers of numpy come by tolist(), paths by __fspath__(). Positions are paths such as
+// crack[0].path, so that messages name them. A callable becomes a function of (x, y) or (x, y, nx, ny), by the number
+// of its arguments; it may be called from several threads, each of which takes the interpreter first. What it raises is
+// kept (the first only), and the computation gets an Error in its place. References are given back with the interpreter
+// held.
+
 #include "python/document.hpp"
 
 #include "io/words.hpp"

@@ -1,5 +1,9 @@
 // _kerf: cases, runs and what they leave, for the Python around them. Computations go on in a thread of their own,
-// without the interpreter.
+// without the interpreter, while the calling thread looks for signals every 50 ms: Ctrl-C asks for a stop, and what the
+// handler raised leaves once the computation has stopped. Settings of the whole process that kerf changes (threads of
+// OpenBLAS, levels of OpenMP) are given back when nothing computes any more. Arrays are read-only windows into the
+// fields of an outcome and keep it alive. An exception of a user's function is raised as the cause of kerf's error, one
+// of a callback as itself.
 
 #include "app/folder.hpp"
 #include "app/forecast.hpp"

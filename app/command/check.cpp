@@ -1,3 +1,9 @@
+// `kerf check`: what a case says, without solving anything. The body with its area, materials, the mesh, each crack
+// with its length and where its ends lie, each label with the edges that it selected and its condition, resultants of
+// the loads, and notes on what may be a mistake; a picture with the labels. Everything that a run would refuse before
+// it solves is refused here, too: each scene of the run (load cases, steps) is prepared without a factor. Areas are
+// those of the triangles as they will be solved, with curved edges or chords.
+
 #include "app/command/refuse.hpp"
 #include "app/run.hpp"
 #include "app/run/load_cases.hpp"

@@ -1,4 +1,7 @@
-// Whose files are in the folder of a run, and what goes before a new one begins.
+// Whose files are in the folder of a run, and what goes before a new one begins. Only files with names that a run gives
+// are ever removed, and only where case.toml says in its first comment that kerf wrote it: otherwise the files are
+// somebody else's, and the run is refused. Results are overwritten with --force; an optimization that has a checkpoint
+// and has not ended asks for --resume or --force. With --resume everything is removed but what it goes on from.
 
 #include "app/folder.hpp"
 

@@ -1,3 +1,5 @@
+// `kerf keys`: the table of keys in one of its forms.
+
 #include "app/command/keys.hpp"
 
 #include "io/files.hpp"

@@ -1,4 +1,8 @@
-// kerf: the commands and their arguments.
+// kerf: the commands and their arguments. parse() makes Arguments of the command line (CLI11), perform() does what they
+// say: report, keys and init need no case; check, mesh and a dry run solve nothing that stays; all others run a case in
+// a folder that is claimed and locked first. A watchdog ends what takes more memory or time than allowed, from the
+// reading of the case on. Under mpiexec all processes but the first serve it; with --processes the program starts
+// itself by mpiexec. Exit codes are those of docs/command-line.md, given by the kind of the error.
 
 #include "app/command/keys.hpp"
 #include "app/command/mesh.hpp"

@@ -1,3 +1,5 @@
+// `kerf mesh`: the mesh of a case as a file, with labels and cracks as groups or fields.
+
 #include "app/command/mesh.hpp"
 
 #include "app/run/solve.hpp"

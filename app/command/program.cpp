@@ -1,3 +1,5 @@
+// What programs share: signals that ask for a stop, the command line as it was typed, refusing words.
+
 #include "app/program.hpp"
 
 #include "io/words.hpp"

@@ -1,3 +1,8 @@
+// Progress on stderr: on a terminal one line that is drawn anew twice a second while a phase lasts, elsewhere a line
+// per phase. A line is as long as the terminal is wide, less one column; a terminal that was made narrower has broken
+// the last line into rows, which are wiped, too. Widths count characters, not bytes. Times left come from the forecast
+// and are not shown once they are used up.
+
 #include "app/progress.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// What a job cannot do for a case, said with the place in its file before anything is solved.
+
 #include "app/command/refuse.hpp"
 
 #include "optimize/refuse.hpp"

@@ -1,3 +1,5 @@
+// The page of a run, made from the files in its folder.
+
 #include "app/command/report.hpp"
 
 #include "io/files.hpp"

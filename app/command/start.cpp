@@ -1,4 +1,8 @@
 // How a program begins and ends, apart from what else programs share: a library that others load must not have it.
+// Before main: a processor without the instructions that kerf was built for is refused in one sentence; where address
+// space is short OpenBLAS is kept from starting a thread per core, by starting the program anew with one. At the end
+// every exception becomes one line on stderr and an exit code, and whatever ends the program from within a library for
+// want of memory says so. Code here that runs early calls nothing of libraries that are not there yet.
 
 #include "app/program.hpp"
 

@@ -1,3 +1,5 @@
+// `kerf --version`: what it was built of, the BLAS that is in use, the modules that are found.
+
 #include "app/command/version.hpp"
 
 #include "io/module.hpp"

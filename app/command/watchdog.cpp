@@ -1,3 +1,8 @@
+// Limits on seconds and memory of a program, children included (gmsh, runs of a sweep). A thread looks twenty times a
+// second. Beyond a limit it asks for a stop, and what there is can be written; ten seconds later, or at 1.5 times the
+// memory, it ends the program at once (quick_exit, which removes temporary files). Trials of a forecast may take 150 MB
+// more: they are there to find out. Memory is what is resident: pages that were never touched do not count.
+
 #include "app/command/watchdog.hpp"
 
 #include "base/stopwatch.hpp"

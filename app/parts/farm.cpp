@@ -1,3 +1,6 @@
+// Starts of an optimization shared among processes: process p of n takes the tasks p, p + n, p + 2n, ... and the
+// answers go to the first one, put back in the order of the tasks.
+
 #include "app/parts/farm.hpp"
 
 #include "app/parts/parts.hpp"

@@ -1,4 +1,11 @@
-// What processes do together on a divided body, each on its part, and what the first one gathers.
+// What processes do together on a divided body, each on its part, and what the first one gathers. Every process takes
+// its triangles of the undivided mesh with rings around them, divides these, solves with the others [theory: E.34], and
+// writes its own piece of the files. Numbers of the whole are sums over own triangles (energies, area, the square of
+// the error indicator, reactions) or largest values. What stands at points (peaks, profiles of cracks, probes, maps at
+// points) is gathered as flat records; of several processes that have the same point the first one counts. Arc length
+// along a crack is summed from the lengths of all its edges, put in the order of the undivided path. Every process must
+// come by every collective call, whatever it finds on its part: decisions are made of sums. docs/theory/elements.md,
+// "Solving in parts".
 
 #include "app/parts/part_work.hpp"
 
@@ -111,6 +118,7 @@ std::array<PlacedValue, 2> extrema_of_parts(Peers& peers, const OwnPlot& own, co
   for (std::size_t i = 0; i < own.points.size(); ++i) {
     const double v = values[own.corner[i]];
     const Flat here{v, own.points[i].x(), own.points[i].y()};
+    // Kind k has the places that are left out for its reason or a weaker one.
     for (auto k = static_cast<std::size_t>(left_out[static_cast<std::size_t>(own.corner[i])]); k < 3; ++k) {
       if (std::isfinite(v) && !(v >= flat[2 * k].value)) flat[2 * k] = here;
       if (std::isfinite(v) && !(v <= flat[2 * k + 1].value)) flat[2 * k + 1] = here;

@@ -1,4 +1,11 @@
-// A body solved in parts: what is refused, the mesh and the tasks, and the result of all.
+// A body solved in parts: what is refused, the mesh and the tasks, and the result of all. The first process meshes the
+// body before it is divided and solves that for what must be known of the whole: ends of contact and the set of
+// touching points to begin with, rigid motions that nothing holds, singular points, Green's tensor for maps of clamped
+// holes. It partitions the mesh, sends the others a PartTask, works on its own part (part_work.cpp), and makes the
+// result of what all found. With mesh.adapt this is one round: the indicator of the divided triangles, squares added
+// per undivided one, grades the next undivided mesh. After n divisions there are
+//   T_n = 4^n T_0 triangles,  E_{n+1} = 2 E_n + 3 T_n edges,  P_{n+1} = P_n + E_n vertices.
+// Pictures and the page show the corners of the undivided mesh. docs/theory/elements.md, "Solving in parts".
 
 #include "app/parts/parts.hpp"
 

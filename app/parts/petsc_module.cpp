@@ -1,4 +1,11 @@
-// The module kerf_petsc.so. PETSc and MPI live here and nowhere else.
+// The module kerf_petsc.so. PETSc and MPI live here and nowhere else; ranks.cpp gets a table of functions with plain C
+// data, each of which returns null or what is wrong, in words. A process gives its part of the matrix with numbers of
+// its rows among all (MATIS); PETSc solves by conjugate gradients with BDDC [theory: E.30; Zampini 2016],
+//   K x = b to a share of the residual that is left once the insides of the parts are solved (UIRNorm),
+// where a part that nothing holds gets a shift on the diagonal of what it shares, for the set-up of the preconditioner
+// alone. Sums to all go through the first process and are sent back, so that all processes have the same bits; messages
+// beyond 2^30 bytes are sent in pieces, since MPI counts in int. PETSc reads no options from files or the environment
+// and catches no signals. docs/theory/elements.md, "Solving in parts".
 
 #include "app/parts/petsc_module.hpp"
 

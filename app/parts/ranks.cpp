@@ -1,3 +1,12 @@
+// The processes that mpiexec started, behind two interfaces of the solver. Ranks (what the first process asks of the
+// others): orders as bytes, a letter and the name of a solver, upon which all of them build, use or drop their share of
+// a system that the first one has as a whole. Peers (what processes do together): sums, largest values, an exchange of
+// bytes of all with all, a solver of a shared system, which is kerf's BDDC or, where options ask for it, PETSc's
+// [theory: E.30; Zampini 2016]. MPI and PETSc lie behind the table of functions of petsc_module.cpp. A process that
+// cannot go on ends all of them (MPI_Abort), since the others would wait for it; only what all of them find alike, such
+// as a solve that does not converge, is an error that all throw. run_by_mpiexec() starts the same program as many
+// processes and passes signals on to mpiexec. docs/theory/elements.md, "Solving in parts".
+
 #include "app/ranks.hpp"
 
 #include "app/parts/petsc_module.hpp"

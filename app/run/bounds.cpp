@@ -1,4 +1,9 @@
-// The intervals that [bounds], probes and mesh.adapt ask for, their notes, and what contradicts them.
+// The intervals that [bounds], probes and mesh.adapt ask for, their notes, and what contradicts them. The solver gives
+// guaranteed intervals of the body as it is meshed (docs/theory/bounds.md); here they become results, and are called
+// estimates where a guarantee has no ground: data known at samples only, chords in the place of curves. A value that
+// was found in another way (K by rings around the tip, reactions by the stress on the side) is a witness: if it lies
+// outside by more than it is unsure of itself, 2 % and the spread of its rings, the interval is an estimate and the
+// note has both. For mesh.adapt.of the dual solutions of the quantity grade the mesh.
 
 #include "app/run/bounds.hpp"
 

@@ -1,3 +1,5 @@
+// The fields of a divided body at the corners of the mesh before it was divided, for pictures and the page.
+
 #include "app/run/coarse_copy.hpp"
 
 #include <algorithm>

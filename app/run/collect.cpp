@@ -1,4 +1,11 @@
-// What results and pictures take from a state: profiles, tips, resultants, peaks and maps at corners.
+// What results and pictures take from a state: profiles, tips, resultants, peaks and maps at corners. Values at corners
+// are those of the recovered fields, with a corner for each face of a crack. A crack's result sums lengths by the
+// status of its points; a transition lies half way between two points of different status. Beside a closed tip false
+// tension may open up to half an edge: it counts as closed. A crack that changes between open and closed often, by less
+// than 1e-3 of what the mean stress of the body could cause, gets a note, since derivatives then depend on the mesh:
+// the measure is
+//   max(int |p| ds, E' / length int |gap| ds) / (length mean stress).
+// Extrema of a map leave out corners for no stronger reason than is needed to have any.
 
 #include "app/run/collect.hpp"
 

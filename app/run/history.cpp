@@ -1,3 +1,6 @@
+// A history of loads: each step continues from the state of the one before, with its energies, work of loads and
+// supports, dissipation and what these leave. docs/theory/contact.md, "Steps of loading".
+
 #include "app/run/history.hpp"
 
 #include "app/run/collect.hpp"

@@ -1,3 +1,5 @@
+// The beginning of a phase: a stop is looked for, the phase is announced, the clock is set.
+
 #include "app/run/journal.hpp"
 
 #include "kerf/stop.hpp"

@@ -1,4 +1,7 @@
-// The rows of load cases: each solved on the mesh of the state, in the order of names.
+// The rows of load cases: each solved on the mesh of the state, in the order of names. Without contact and without an
+// adapted mesh all of them share the factor of the state, and a row costs a solve; otherwise each is a solution of its
+// own. The state, the files and the pictures of a run are those of the first by name, independent of the order in the
+// file. A load case that cannot be solved is an error with its name.
 
 #include "app/run/load_cases.hpp"
 

@@ -1,4 +1,10 @@
-// J with its notes, and the map of its topological derivative with masks, bars and second terms.
+// J with its notes, and the map of its topological derivative with masks, bars and second terms. Notes say where the
+// value or the map is not what one may take it for: fields of a term that the mesh does not resolve, powers of the
+// stress that are not integrable at tips, a ring that holds more than a tip, a misfit that grows as the mesh gets finer
+// (data that jump are infinite in energy), and a nearly incompressible body held all around, which answers a hole by
+// pressure everywhere, so that the expansion holds for much smaller radii. Each place is left out of the extrema for a
+// reason, from the weakest to the strongest: masked for the radius, near a singular point.
+// docs/theory/topological_derivatives.md, "How good the expansion is".
 
 #include "app/run/map.hpp"
 

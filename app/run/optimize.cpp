@@ -1,3 +1,10 @@
+// An optimization in a run: start, iterations, what comes after them, pictures. The start is read off the map where the
+// case asks for it (initial guess), or off the count of defects; then the level set or the method for drawn things
+// iterates, observed by the recorder; then readings are fitted by least squares from where the misfit led, and the
+// fitted design replaces it. Synthetic data are made first (with_data), and what was found is compared with the true
+// body. A stop leaves pictures of what there is and a checkpoint to go on from; a checkpoint of another case is refused
+// by its fingerprint. docs/theory/inverse.md has the guess, the fit and the count.
+
 #include "app/run/optimize.hpp"
 
 #include "app/run/recorder.hpp"

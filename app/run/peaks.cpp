@@ -1,3 +1,14 @@
+// The largest values of a state, told apart from those that only the mesh makes large. Around each singular point
+// (tips, kinks, reentrant corners, ends of supports) there is a zone in which values are those of the mesh, of radius
+//   min(0.02 extent, max(0.1 distance to the next such point, 2 edges));
+// a largest value in a zone is "singular" and has the largest one outside beside it. Where pressure in a crack may be
+// infinite the pressure says itself: with mean values p_0, p_1, p_2 over distances [h, 2h], [2h, 4h], [4h, 8h] from the
+// point, h two edges, it is taken to be infinite if log2(p_0/p_1) > 0.05 and > 0.6 log2(p_1/p_2), since a power of the
+// distance has two equal slopes and a bounded pressure a smaller one nearer to the point. At other tips two edges are
+// left out, where the discrete pressure is false [theory: F.8]. Also: strains and displacements beyond linear
+// elasticity, largest stresses at corners of chords that stand for curves. docs/theory/fracture.md, "False pressure at
+// sliding tips".
+
 #include "app/run/peaks.hpp"
 
 #include "geometry/curved.hpp"

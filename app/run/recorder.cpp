@@ -1,3 +1,9 @@
+// What an optimization leaves while it goes on: a line of history.csv and a design_NNNN.vtu per iteration, the
+// collection for ParaView, and a few designs for the picture of the evolution. Files that are written anew (history,
+// collection, snapshots) go by their name, so that one that waits to be written is replaced by a later one. After an
+// interruption the lines of later iterations are dropped as soon as one is seen again. The time left is told from the
+// iterations (level set) or the state solves (others) that may at most be done.
+
 #include "app/run/recorder.hpp"
 
 #include "app/progress.hpp"

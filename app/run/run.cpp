@@ -1,3 +1,14 @@
+// A run: the jobs that a case asks for, one after the other, each adding its section to the result and its files to the
+// folder. First everything is refused that is known to be impossible before anything is solved, then the folder is
+// prepared and the case kept in it. The order of the jobs is
+//   state (with load cases or steps), functional and map, validation, optimization, intervals, probes, result.json,
+//   page;
+// with an optimization alone the state is that of its design. A section is there as soon as it is known: what fails
+// later leaves it, result.json then says "failed" and why, and the error goes on to the caller. Nothing is built on a
+// state that is not certified: the status is "not converged". Where an edge that follows a curve folds a triangle the
+// body is solved once more with chords, unless the case insists on curves. Several processes on a divided mesh have a
+// pipeline of their own (parts.cpp).
+
 #include "app/run.hpp"
 #include "app/ranks.hpp"
 #include "app/run/peaks.hpp"

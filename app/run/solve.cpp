@@ -1,3 +1,10 @@
+// The state of a body in a run: solved once or with refinement, described, written, and the notes on it. Notes say what
+// a user should know beside the numbers: data that the rules do not resolve, faces that penetrate, chords in the place
+// of curves, a mesh as coarse as the body, points outside. describe_state() makes the section of the result as far as
+// the case asks for it (energy bounds, tips), and times each part. failure() says in words why a state is not
+// certified: the contact set did not settle, the residual (kkt), or the work of the loads, which must be twice the
+// energy.
+
 #include "app/run/solve.hpp"
 
 #include "app/write/draw.hpp"

@@ -1,3 +1,5 @@
+// The validation of a run: solved, written, drawn.
+
 #include "app/run/validate.hpp"
 
 #include "io/drawn_change.hpp"

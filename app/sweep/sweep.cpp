@@ -1,4 +1,9 @@
-// The runs of a sweep, what is known of each from its folder, and the table of them all.
+// The runs of a sweep, what is known of each from its folder, and the table of them all. The runs are all combinations
+// of the values, the last key fastest; run k has the digits of k in the mixed base of the numbers of values. A folder
+// is named by keys and values where these are short and safe, else by a checksum. A run is done when its folder holds
+// results of this very case: its case.toml without the head, and the files beside it, equal what would be kept now. So
+// a sweep goes on where it was ended, and a changed case is run again. Failures that would repeat (exit codes 3 and 4)
+// are kept, others are tried again.
 
 #include "app/sweep.hpp"
 

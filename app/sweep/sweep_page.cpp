@@ -1,4 +1,7 @@
-// The page of a sweep: numbers over the swept keys, pictures, failures, the table.
+// The page of a sweep: failures, numbers over the first swept key whose values are numbers (a curve for each
+// combination of the others), a picture of each run (design, map or stress), and the table. It has no script: a policy
+// in its head forbids any. Columns are the leaves of result.json, in the order in which they are first met; a run that
+// lacks one has an empty cell. Charts are drawn as SVG by hand, without axes that the values on both ends do not need.
 
 #include "app/sweep/sweep_page.hpp"
 

@@ -1,4 +1,8 @@
-// The runs of a sweep: processes of this program, or scripts for schedulers.
+// The runs of a sweep: processes of this program, so many at a time, or scripts for schedulers. Each run is `kerf run`
+// with its overrides, its words on stderr in run.log; what fails leaves failed.txt with the exit code and the reason. A
+// child ends with its parent (PR_SET_PDEATHSIG), also when the parent ended before that was set. Scripts (Snakemake,
+// Slurm) read runs.tsv, a line per run with words between tabs, so that values need no quoting there; they leave the
+// same files, from which --collect makes the table.
 
 #include "app/progress.hpp"
 #include "app/sweep.hpp"

@@ -1,3 +1,10 @@
+// Pictures of a run: mesh, design with supports and loads, labels of a check, stress on the displaced body, map,
+// optimality, what an inverse problem found. Fields are values at the corners of triangles, where the two faces of a
+// crack have corners of their own, so that jumps are drawn as such. Displacements are drawn as large as makes the
+// largest of them 6 % of the body, rounded down to 1, 2 or 5 times a power of ten. Arrows of loads have the length 0.1
+// of the body's size for the largest traction; less than 3 % of it is not drawn. The range of a map's picture is that
+// of its extrema, which leave out masked places and those near tips, where T may be infinite.
+
 #include "app/write/draw.hpp"
 
 #include <fmt/core.h>

@@ -1,4 +1,9 @@
-// Tables and fields of a run as files: state, cracks, bounds, design, map and probes.
+// Tables and fields of a run as files: state, cracks, bounds, design, map and probes. Each file is handed to the writer
+// with copies of what it needs and is written while the run goes on. Angles at corners are means of axes, not of
+// vectors:
+//   angle = 1/2 arg sum over triangles of area exp(2 i angle),
+// in [0, pi), since a crack at 0 and one at pi are the same. Rows of points outside the body have empty cells. Columns
+// that a request does not ask for (bounds, second terms, angles) are not there. docs/results.md lists the files.
 
 #include "app/write/files.hpp"
 #include "io/design.hpp"

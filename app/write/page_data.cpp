@@ -1,3 +1,8 @@
+// Arrays for the page: points, triangles, fields at corners, lines, map with its masks, designs and what was found.
+// Names and widths are those that the page's script knows (plot/page/script.cpp). Numbers are floats. Lines are pairs
+// of corners; designs are one list of points with a list of lines beside it, (design, kind, count) each. `margin` is
+// the room of a change in its radius, and `near` says what is in the way.
+
 #include "app/write/page_data.hpp"
 
 #include "app/write/draw.hpp"

@@ -1,3 +1,8 @@
+// Files written by a thread of their own while a run goes on, in the order in which they were put. At most 24 wait, or
+// 64 MiB: who puts more waits until everything is written, so that what is put last gets its turn on a slow disk. What
+// is written anew under one name replaces what waits under it (put_last). A failure is thrown to whoever puts next or
+// finishes; what waited is dropped then. Where no thread can be had files are written at once.
+
 #include "app/write/writer.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// What all benches share: which cases are wanted, stops, folders, runs of other programs and times to given errors.
+
 #include "bench/command/bench.hpp"
 
 #include "kerf/stop.hpp"

@@ -1,4 +1,8 @@
-// kerf-bench: speed against error. `kerf bench` starts it.
+// kerf-bench: speed against error. `kerf bench` starts it. The name of a bench and its options come from one command
+// line; what does not go together is refused before anything is run. Every bench writes CSV, JSON and pictures into its
+// folder, which is claimed and locked first, prints its summary, and ends with code 4 where it was stopped, where a
+// hard case regressed, an interval does not contain its value or a benchmark lies outside its tolerance. Under mpiexec
+// only `machines` runs; the other processes serve the first one.
 
 #include "app/command_line.hpp"
 #include "app/program.hpp"

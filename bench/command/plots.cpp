@@ -1,3 +1,8 @@
+// The pictures of the benches: error against time, step and unknowns, beside other programs, maps, and designs. One
+// color per element and degree in all pictures of a bench; uniform meshes dashed, adaptive ones dotted. Beside other
+// programs kerf is shown by its default family alone, unless that was not run. Designs more than 1.25 times the best
+// are left out of their curves.
+
 #include "bench/command/plots.hpp"
 
 #include "plot/bars.hpp"

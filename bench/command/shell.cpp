@@ -1,3 +1,5 @@
+// Commands of the shell with their output, exit code, memory and processor time; scripts in a copy of their folder.
+
 #include "bench/command/shell.hpp"
 
 #include "kerf/types.hpp"

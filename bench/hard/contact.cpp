@@ -1,4 +1,5 @@
 // Friction that grows until the faces stick, and faces that touch without pressing.
+
 #include "bench/hard/cracks.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,12 @@
-// Narrow ligaments, near cracks, kinks, crossings, many cracks.
+// Narrow ligaments, near cracks, kinks, crossings, many cracks. A row of collinear cracks of half length a in a period
+// 2 has
+//   K_I = sqrt(2 tan(pi a / 2)) for a unit stress
+// in closed form; one cell of it between rollers is the whole row, high enough (4) that what the cracks disturb, like
+// exp(-pi y), has gone. Mouths at the sides of the cell leave a ligament in its middle. Where nothing is known in
+// closed form another element of degree 3 on a finer mesh is the truth. Cells of a periodic body must all have the K of
+// a single one. Cracks that lie along the principal directions of a linear stress without normal stress on them do not
+// disturb it: touching() has such cracks, some of which have neither gap nor pressure.
+
 #include "bench/hard/cracks.hpp"
 
 #include <fmt/format.h>

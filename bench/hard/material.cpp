@@ -1,4 +1,9 @@
-// Poisson's ratio to 1/2, bodies enclosed by their supports, regions of another stiffness.
+// Poisson's ratio to 1/2, bodies enclosed by their supports, regions of another stiffness. All have the linear stress
+// field of fields.cpp, whatever the material: with a region of another modulus an eigenstrain in the softer material
+// makes up for what it would strain beyond the stiffer one, e = (1 + nu)(1/E_stiff - 1/E_soft) times the strain's form,
+// so that the field stays as it is. Enclosed bodies know their mean pressure as change of area over 1 - 2 nu, and at nu
+// = 1/2 but for its mean. The limits are rounding units times the condition of what is factored.
+
 #include "bench/hard/fields.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,7 @@
+// The report of `kerf bench hard`: a page with a table of families and a section per family (truth, limit and its
+// reason, all rows), the picture with a chart per family, and the table for a terminal. A row that was not held shows
+// what the program said. docs/hard.md is this page.
+
 #include "bench/hard/report.hpp"
 
 #include "bench/hard/family.hpp"

@@ -1,3 +1,10 @@
+// `kerf bench hard`: runs a family of cases and judges each row. The benign value of the knob is run first; with e the
+// error of a row, e_0 that of the benign one and d the digits that its family may lose,
+//   allowed = min(0.1, max(floor, e_0) 10^d),   digits lost = log10(max(e, floor) / max(floor, e_0)).
+// Every case is written, read and solved as a user's would be, exit code included. A row is held below its limit; above
+// it the run must say so, in its status or in a note that the benign run does not have, else it is silent, the worst
+// verdict. Refused and told are right only where the family has them on record. Truths that need a finer run get one.
+
 #include "app/run.hpp"
 #include "base/stopwatch.hpp"
 #include "bench/command/records.hpp"

@@ -1,4 +1,8 @@
-// Length, place, load and direction: what must not matter.
+// Length, place, load and direction: what must not matter. The same body is scaled, moved far from the origin, loaded
+// by other powers of ten and turned; energies go with length^2 load^2, openings with length load, K with load
+// sqrt(length), stresses with load. Powers of two are exact, so that even the mesh is the same and only rounding of
+// other numbers is left. Far from the origin coordinates lose the digits of the shift, which is the limit there.
+
 #include "bench/hard/cracks.hpp"
 
 #include <fmt/format.h>

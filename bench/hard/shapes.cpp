@@ -1,4 +1,5 @@
 // Slivers: flat triangles of a given mesh, and sharp corners of the drawing.
+
 #include "bench/hard/fields.hpp"
 
 #include <fmt/format.h>

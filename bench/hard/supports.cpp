@@ -1,4 +1,12 @@
-// Slender bodies, supports that barely hold, ends of loads and cracks beside nodes of the mesh.
+// Slender bodies, supports that barely hold, ends of loads and cracks beside nodes of the mesh. Closed forms: a
+// cantilever under a shear force at its end, with the exact displacement where it is held; a wedge of rollers under
+// pressure, u in proportion to the distance from the apex at 1/tan(angle); a bent ligament 2a between two half-plane
+// cracks,
+//   stress C x / sqrt(a^2 - x^2), K = +-2 M / (sqrt(pi) a^1.5).
+// Short supports have their forces by statics. Loads and cracks that end beside a node are compared with those that end
+// at it: the result must not depend on a distance of rounding by more than that distance. Each limit says why so many
+// digits may be lost.
+
 #include "bench/hard/cracks.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,6 @@
+// The time that a sequence of runs takes to a given error: on the line between two runs in the logarithms of both,
+// beyond the last one by at most a factor of 12, or not at all; and the fastest of several sequences.
+
 #include "bench/measure/compare.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,12 @@
+// `kerf bench limit`: how near a run comes to what the machine can do. One body (the partly closed crack, bdms of
+// degree 1) at 10,000 to 1.4 million triangles, on one thread and two: wall and processor seconds of each phase, peak
+// of memory, and
+//   limit = flops of the numeric factor / rate of dgemm,
+// the rate measured just before on matrices of 1000 x 1000, as the best of three. The growth is the exponent of a least
+// squares fit, log time = a + p log n. Phases that overlap in the code (factor within preparation, contact within the
+// solution) are taken out of the phase around them by their own wall clocks, and get their share of its processor time.
+// A row is the median of three runs by wall time, of one beyond 200,000 triangles. docs/benchmarks.md has the results.
+
 #include "bench/measure/limit.hpp"
 
 #include "base/stopwatch.hpp"

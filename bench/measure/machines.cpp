@@ -1,3 +1,12 @@
+// `kerf bench machines`: several processes on one body, from 4 to 64 parts. A unit square, held on one side and sheared
+// on the other, with a crack per part and one through nearly all of the body, with inclusions of contrast 10^3 and
+// 10^-3 across parts, for Poisson's ratios up to 1/2 and degrees 1 to 3; H/h is the length of a part over that of an
+// edge. A row has iterations to 1e-10, the condition that conjugate gradients show, sizes of interface and small
+// problem, bytes that a process sends per iteration, memory, time, and how far the strain energy is off that of a
+// factor of the whole. It is met within 30 iterations, condition 30 and 1e-9. The program starts itself by mpiexec for
+// each number of parts and reads what that has left, also when it ended early. docs/theory/elements.md, "Solving in
+// parts".
+
 #include "bench/measure/machines.hpp"
 
 #include "app/ranks.hpp"

@@ -1,3 +1,9 @@
+// One run of `kerf bench map`, measured: the state, J, the map of the energy everywhere, and the same of displacement
+// tracking with its adjoint. The exact map of the energy is T = T(stress) + f . u [Garreau, Guillaume, Masmoudi 2001].
+// Times are medians over repeats, phase by phase. level_of() finds the level of a mesh with a given number of
+// triangles: from 0.433 h^2 = area of an equilateral triangle, then by at most six meshes until it is within 2 %.
+// Validations are measured with plain states between them, so that what disturbs the machine disturbs both.
+
 #include "bench/measure/map_measure.hpp"
 
 #include "kerf/validate.hpp"

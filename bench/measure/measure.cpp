@@ -1,3 +1,9 @@
+// Processor time, memory and error of one solution. Time is that of the process (CLOCK_PROCESS_CPUTIME_ID) on one
+// thread; phases inside a call get its processor time by their shares of the wall clock. Memory is the peak of what is
+// resident since it was last forgotten (/proc/self/clear_refs), read before errors are computed, since those need more.
+// Runs that take less than a second are repeated, and the median by work is the one that is kept; estimating counts as
+// meshing where meshes are adapted.
+
 #include "bench/measure/measure.hpp"
 #include "solver/system.hpp"
 

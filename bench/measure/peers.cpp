@@ -1,3 +1,8 @@
+// Runs of other programs on the bodies of the benches: FreeFem++ and dolfin by the scripts in a folder, each a job with
+// its problem, element, mesh and size. Scripts run in a copy of the folder with one thread and a limit of time; their
+// last line says errors and times (read_peer_line). Small sizes go first, so that every sequence has its beginning when
+// the time is over. What is not installed, fails or takes too long is a note.
+
 #include "bench/measure/peers.hpp"
 
 #include "base/stopwatch.hpp"

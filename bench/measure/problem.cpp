@@ -1,3 +1,13 @@
+// The bodies that the benches solve, their meshes, and the measure of the error. Level l has edges of h = coarsest
+// 2^(-l/2). Graded meshes balance the errors of an element of degree k, h^(k+1) where the stress is smooth and d^e in
+// an element of length d at a tip (e = 1/2) or corner:
+//   d = h (2 h / L)^((k+1)/e - 1),   L the longest side.
+// Errors are relative in L2 over the body, of the stress, and of u* up to a rigid motion where nothing holds the body:
+// with R the rigid motions, min over r of |d - R r|^2 = |d|^2 - b' N^-1 b, N = (R, R), b = (R, d). The exact field is
+// integrated by rules that know the singular vertex of a triangle. Where no closed form is known (Cook's membrane) the
+// reference is degree 3 on a finer graded mesh, kept at the points of a rule; its own error is its distance from the
+// one two levels coarser.
+
 #include "bench/measure/problem.hpp"
 #include "solver/system.hpp"
 

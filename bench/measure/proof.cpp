@@ -1,3 +1,12 @@
+// `kerf bench proof`: whether guaranteed intervals contain the exact value, how wide they are and what they cost.
+// Straight open cracks in an infinite plate are cut out as a square under their exact tractions, one of them with a
+// body force whose stress diag(0, y) the crack does not feel. K_I, K_II and G at both tips, stresses and the
+// topological derivative at three points, on uniform meshes, on meshes graded to the tips, and refined for K. Half
+// widths are relative to the size of the quantity: K over the norm of both, stresses over the norm of the tensor. The
+// cost is the processor time of one quantity over that of the state. A guaranteed interval that does not contain its
+// value is a failure. The second part compares c2 with series on the disc (second_terms.cpp). docs/theory/bounds.md,
+// docs/theory/guarantees.md.
+
 #include "bench/measure/proof.hpp"
 
 #include "bench/command/records.hpp"

@@ -1,3 +1,9 @@
+// The second term of the expansion against series: a hole, a softer and a stiffer inclusion at three places of the unit
+// disc under loads of degree 4. The series fit all conditions on both circles and know nothing of expansions
+// (tests/topo/disc_series.hpp). A row has c2 against the limit of the series, relative to the sum of the sizes of its
+// parts (they may cancel), and what T and T + c2 eps^2 leave of the exact change for eps a quarter of the way to the
+// rim [theory: Q.1]. docs/theory/second_order.md, "A circle in any field".
+
 #include "bench/measure/second_terms.hpp"
 
 #include "kerf/mesher.hpp"

@@ -1,3 +1,11 @@
+// One judge for designs of all programs: the compliance of a shape with the asked area on a body-fitted mesh of its
+// own. A density or level function on a grid becomes a shape by its level: phi = value - level on a fine mesh of the
+// frame, with material along loads and in frozen parts whatever the field says (the smaller of two level functions),
+// the level by 50 bisections so that the area below it is the wanted one. Carving drops loose pieces; the area aimed at
+// is raised by what is then lacking, up to eight times, to 1e-5. The compliance is judged on triangles refined for each
+// load case until the stress errs by 0.5 %, so that the energy errs by about its square, with bounds from those of the
+// potential energy Pi (docs/theory/bounds.md): the compliance is -2 Pi, and lies in [-2 upper, -2 lower].
+
 #include "bench/optimize/judge.hpp"
 
 #include "geometry/carve.hpp"

@@ -1,3 +1,11 @@
+// `kerf bench optimize`: designs with default settings beside those of other programs, by one judge (judge.cpp). For
+// each scenario: kerf's run from the full body, runs of SIMP and of a level set by FreeFem++ where they are installed,
+// a point per judged iterate, and for each own run its certificate. A scenario whose volume is minimized under a bound
+// on the compliance is compared with densities at the volume at which they would have that compliance, by the slope of
+// log volume against log compliance of two runs. Beside these, where asked for: the spread over starts, sizes and
+// budgets, a problem with published values, the share of remeshing in an iteration, and meshes of random designs. What
+// one run cannot do is a note and does not end the others. docs/benchmarks.md has the results.
+
 #include "bench/optimize/optimize.hpp"
 
 #include "bench/command/plots.hpp"

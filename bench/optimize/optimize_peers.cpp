@@ -1,3 +1,9 @@
+// Runs of other programs on the scenarios: SIMP in Python (a script of ours), plain and with projection, and a level
+// set in FreeFem++, whose script is changed at one place so that it writes its designs down. A run writes a trace:
+// iteration, objective, seconds, state solves, and its field on a grid per snapshot; what a killed run has written
+// counts. Small runs go first, so that every scenario has one when the time is over; no run takes more than 900 s. A
+// script whose text has changed at that place is left out with a note.
+
 #include "bench/optimize/optimize_peers.hpp"
 
 #include "base/stopwatch.hpp"

@@ -1,3 +1,9 @@
+// The scenarios of `kerf bench optimize`: case files that are compiled in, read as a user's would be, and what other
+// programs are told of them. A density program gets JSON: outline, supports, loads with weights, solid parts, volume,
+// mu and c of the material; it can be compared where the compliance is minimized at a volume under constant tractions,
+// without cracks, holes, weight or bounds. Starts are the full body, regular patterns of holes of two sizes, and forty
+// holes at random with two seeds, all relative to the shorter side.
+
 #include "bench/optimize/optimize_problems.hpp"
 
 #include "bench/measure/peer_scripts.hpp"

@@ -1,4 +1,7 @@
-// The tables of `kerf bench optimize` for a terminal.
+// The tables of `kerf bench optimize` for a terminal: own runs against the best peer and the best design known, peers
+// by the same judge, spreads, the published problem, remeshing. The best peer leaves out the strong runs (finer,
+// projected), the best known has them. "to 1 %" is the first iterate from which on a run stays within 1 % of its last
+// value.
 
 #include "bench/optimize/optimize.hpp"
 #include "bench/optimize/optimize_peers.hpp"

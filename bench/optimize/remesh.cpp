@@ -1,3 +1,10 @@
+// Two measurements of meshing in optimizations. The share of remeshing in an iteration: the loop runs at its area from
+// the beginning, and beside each iterate its design is carved (twice, as the loop does while it looks for the area) and
+// meshed once more with the clock on; the first iterations are left out. Random designs: level functions made of discs,
+// slits, touching discs and discs over cracks, the same on every machine; each must be meshed, with its area to 1e-9,
+// or be refused with a geometric reason. Signed distances for the first are made from the design's own boundary, on a
+// mesh twice as fine as the loop's.
+
 #include "bench/optimize/remesh.hpp"
 
 #include "bench/measure/measure.hpp"

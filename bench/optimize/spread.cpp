@@ -1,3 +1,6 @@
+// The spread of designs over starts, mesh sizes and budgets, and under loads times 1 + 1e-12, which only rounding can
+// tell apart.
+
 #include "bench/optimize/spread.hpp"
 
 #include "bench/measure/measure.hpp"

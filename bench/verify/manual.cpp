@@ -1,3 +1,9 @@
+// Benchmarks of the validation manual, read from their files (TOML): setup, source, second check, the case, its runs,
+// and values, each with what is taken from the results, an expression of these, the published number, a tolerance and
+// its reason. Unknown keys are refused with their place, and what must go together is checked: a published value has a
+// tolerance with a reason, a benchmark a case or the reason why it is impossible. Expressions are those of case files,
+// with the taken numbers as definitions.
+
 #include "bench/verify/manual.hpp"
 
 #include "bench/verify/texts.hpp"

@@ -1,3 +1,8 @@
+// The pages of the validation manual: an index with a row per benchmark, the value that is furthest out in terms of its
+// tolerance, and a page per benchmark with setup, source, second check, all numbers, the reasons of tolerances, a
+// picture and the case. What is rounding beside an absolute tolerance is printed as 0. Nothing depends on the day or
+// the machine, so that pages made again show what has changed. docs/validation has the pages.
+
 #include "bench/verify/pages.hpp"
 
 #include "io/files.hpp"

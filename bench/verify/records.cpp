@@ -1,3 +1,8 @@
+// Numbers of a run from its files, for the manual: "/state/energy" is a place in result.json, "file.csv:row:column" a
+// cell of a table, the row by its number from 0, or max or min of the column; and the manual's results as a table and
+// as JSON. An empty cell is NaN; a place that is not there is an error. Lines of the tables are split at commas: the
+// manual names no column with quotes.
+
 #include "bench/verify/records.hpp"
 
 #include "io/csv.hpp"

@@ -1,3 +1,9 @@
+// `kerf bench verify`: the validation manual. Each benchmark is run in a folder of its own, with its runs and, for the
+// error bar of each number, once more with the overrides of `again`. Numbers are read from the files of a run, as a
+// user would read them. The deviation is relative to the published value, or absolute where the tolerance is; "at
+// least" and "at most" allow any amount on the right side. What kerf cannot do is "outside" with the reason; what the
+// manual says is impossible is not run.
+
 #include "bench/verify/verify.hpp"
 
 #include "app/run.hpp"

@@ -1,3 +1,6 @@
+// [bounds]: points, labels, discs and lines whose quantities get guaranteed intervals; and mesh.adapt.of, the quantity
+// that meshes are adapted for.
+
 #include "io/case/formula.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"

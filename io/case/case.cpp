@@ -1,3 +1,12 @@
+// A case file as a Case: each section of the document is read in turn, by this file or by one of *_sections.cpp. The
+// order is fixed by what refers to what: the shape before its materials (labels, cracks and regions have their numbers
+// then), [define] before everything that may hold an expression, conditions and functional before [optimize], and
+// elements before the choice of curved edges, since not every element can have them. [[step]] is read before the
+// eigenstrains and conditions of the case itself: a step reads both once more with its own numbers in [define], and the
+// definitions are left with the values of the last step. Whatever is refused is refused with its place in the file;
+// keys that no section knows are refused by the table of keys (keys.cpp). Also here: [units], [material], [mesh],
+// [solver], [output].
+
 #include "kerf/case_file.hpp"
 
 #include "geometry/curved.hpp"
@@ -285,6 +294,7 @@ bool has_functions(const Node& document) {
          std::ranges::any_of(document.entries, [](const Entry& entry) { return has_functions(entry.value); });
 }
 
+// The place of the key or, where it is not in the file, of the innermost table around it that is.
 std::string place_of(const Case& c, std::string key) {
   while (true) {
     if (const auto found = c.places.find(key); found != c.places.end()) return found->second;
@@ -300,6 +310,8 @@ void choose_edges(Case& c) {
   if (c.mesh && has_arcs && !c.sizing.curved) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
 }
 
+// What a mesh of one state gets on top (one layer of triangles in ligaments, images of curved sides) is left out:
+// designs are meshed anew at each step.
 Problem problem_of(const Case& c, int threads) {
   Sizing sizing = c.sizing;
   sizing.curved = c.curved.value_or(false);

@@ -1,3 +1,11 @@
+// Conditions on the boundary, body force, eigenstrains, pressures and gaps of cracks, load cases. What the tables say
+// is collected per label first, so that contradictions are found whatever table they come from: two loads on a label, a
+// load along a component whose displacement is prescribed, a pressure against a prescribed normal displacement. Of a
+// load beside a support in one direction the free part alone is kept, t - (t . n) n or t - t_d e_d: the other part does
+// no work and would only be added to the reaction. A pressure p is the traction -p n. An eigenstrain is (e_xx, e_yy),
+// e_xy and, in plane strain, e_zz, which acts in the plane through nu: e_xx + nu e_zz and e_yy + nu e_zz [theory: H.2].
+// With [[load_case]] all loads belong to load cases, which share the supports of [[boundary]].
+
 #include "io/case/formula.hpp"
 #include "io/words.hpp"
 #include "optimize/load_cases.hpp"
@@ -22,6 +30,7 @@ struct Condition {
 };
 using Conditions = std::map<std::string, Condition>;
 
+/// Whether a label cannot have both keys; x and y together are looked at in add().
 bool clash(const std::string& a, const std::string& b) {
   if (a == b) return true;
   const auto either = [&](const char* p, const char* q) { return (a == p && b == q) || (a == q && b == p); };

@@ -1,4 +1,10 @@
-// A design as a case file: the document of its case with another body.
+// A design as a case file: the document of its case with another body. Written are the title, the design's outline,
+// holes, cracks (whole or the pieces that a hole left of them, with the laws and formulas of the whole) and regions;
+// what follows is the rest of the original document without the tables that describe the old body or guide the search.
+// Numbers have all their digits, so that reading the file back gives the same doubles; sides along circles are written
+// as arcs (circular(), 1e-4 of the extent). Names of files are made relative to the new folder, definitions that
+// nothing uses any more are dropped because the reader refuses them, and comments at the head say what the file cannot
+// say.
 
 #include "geometry/arc_chain.hpp"
 #include "geometry/plane.hpp"
@@ -60,6 +66,7 @@ std::string form(const Loop& loop) {
   if (is_whole(loop)) {
     const Arc& arc = *loop.sides.front().arc;
     const Vec2 p = arc.axes.col(0), q = arc.axes.col(1);
+    // Equal up to one rounding: what was a circle is one again.
     if ((arc.axes - p.norm() * Mat2::Identity()).norm() <= 1e-15 * p.norm())
       return fmt::format("circle = {{ center = {}, radius = {} }}", pair(arc.center), number(p.norm()));
     return fmt::format("ellipse = {{ center = {}, semi_axes = [{}, {}], angle_deg = {} }}", pair(arc.center),

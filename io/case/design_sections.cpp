@@ -1,3 +1,11 @@
+// [[optimize.hole]], [[optimize.crack]], [[optimize.region]]: what is drawn in a design, as vectors of variables with a
+// box [low, high] each and a start, the middle of the box unless `start` says otherwise. A number in the place of a box
+// fixes the variable (low = high). The order of the variables of each kind is
+//   circle: x, y, r;  ellipse: x, y, a, b, angle (radians);  spline: x_1, y_1, ..., x_n, y_n, counter-clockwise;
+//   crack: the same of its points;  region: x, y, r, Young's modulus.
+// With start = "map" the topological derivative says where the design begins; the start made up here (a circle in the
+// boxes, a straight path) then only has to be a valid shape.
+
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
 
@@ -99,7 +107,8 @@ double signed_area(const std::vector<double>& xy) {
   return 0.5 * twice;
 }
 
-/// The table `start`. "map": none, and the start is to be read off the topological derivative.
+/// The table `start` of a hole, a crack or a region. "map": none, and the start is to be read off the topological
+/// derivative.
 std::optional<Value> read_start_of_crack(const Value& table, bool& from_map) {
   const auto start = find(table, "start");
   from_map = start && start->node->kind == Node::Kind::String;

@@ -1,5 +1,9 @@
-// How far an expression is from a polynomial over a box: the Taylor model of its syntax tree. Where a branch is settled
-// by ranges it is the branch's; kinks and jumps that the box holds leave what the branches differ by.
+// How far an expression is from a polynomial over a box: the Taylor model of its syntax tree, node after node [theory:
+// D.4; Makino, Berz 2003]. The answer is half the width of the rest at the root: the polynomial plus the middle of the
+// rest is no further than that from f. A condition that ranges settle takes its branch, with its polynomial; one that
+// the box leaves open gives what the two branches differ by, so that a kink costs its width times the jump of the slope
+// and a jump half of itself. Comparisons, && and || are numbers 0, 1 or [0, 1]. Normals have no value over a box.
+// docs/theory/data.md, "Triangles".
 
 #include "io/case/decided.hpp"
 #include "io/case/functions.hpp"

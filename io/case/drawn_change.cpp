@@ -1,4 +1,8 @@
-// The case with one table more, read again; its labels and cracks in the order of the case without it.
+// The case with one table more, read again: the scene of a body with a hole, an inclusion, an ellipse or a crack drawn
+// at a place, for validations at finite radii. Its labels and cracks are put in the order of the case without the
+// change, so that both scenes fit meshes whose labels have the old numbers. An ellipse of aspect a at radius r has the
+// semi-axes r sqrt(a) and r / sqrt(a), the area of the circle. Bodies from files cannot be drawn again: no scenes.
+// docs/theory/validation.md, "The bodies are drawn by the user's tables".
 
 #include "io/drawn_change.hpp"
 #include "io/document.hpp"

@@ -1,3 +1,14 @@
+// Encloses an expression, given as a syntax tree, on a piece of an edge or over a box. On a piece, s from `from` to
+// `to`, every node gets Taylor coefficients that hold f^(k)/k! all along it, k <= 8 [theory: D.1; Moore 1966]; the one
+// of k = 8 bounds what a polynomial of degree 7 leaves out [theory: D.2]. Over a box there is the range alone.
+// The place along a curved edge is a polynomial of degree 4,
+//   x(s) = a + s (b - a) + s (1 - s) (q_0 + q_1 s + q_2 s^2),
+// whose derivative gives the normal and |dx/ds|. Where f is not smooth on the piece, enclose() offers instead
+//   cut:   a place where an argument g of abs, min, a comparison, ... passes its level, by bisection; g' has one sign,
+//   power: f = a + b d^alpha, d the distance from the end where the base of one power vanishes linearly,
+// or the range alone, upon which the caller halves the piece. Of c ? a : b only a branch that may be taken is
+// evaluated, since the other one need not have a value there. docs/theory/data.md, "Enclosures" and "Edges".
+
 #include "io/case/decided.hpp"
 #include "io/case/functions.hpp"
 #include "io/case/node_order.hpp"
@@ -41,6 +52,7 @@ struct OnCurve {
   Taylor stretch;
 };
 OnCurve on_curve(const EdgeLine& edge, double from, double to, int order) {
+  // x(s + t) = sum_i p_i (s + t)^i: the coefficient of t^k is sum_i binomial(i, k) p_i s^(i-k), by Horner in s.
   static constexpr std::array<std::array<double, 5>, 5> binomial{
       {{1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}}};
   const TaylorArithmetic with(order);
@@ -307,6 +319,7 @@ std::optional<Interval> passage(const Syntax& syntax, const EdgeLine& edge, doub
   };
   const int before = side(from), after = side(to);
   if (before == after) return std::nullopt;
+  // The distance of the numbers just below 1.
   constexpr double finest = 0x1p-53;
   // The last place of a run of `sign` that begins at `inside`, towards `outside`.
   const auto reach = [&](double inside, double outside, int sign) {
@@ -437,11 +450,13 @@ std::optional<ScalarOnPiece::Parts> part_at_power(const std::shared_ptr<const Sy
   const bool at_low_end = base.c[1].low > 0;
   // Up to the digits of the place.
   constexpr double rounding = 1e-12, digits = 1e-6;
+  // The base at this end against its range over the piece: 0 up to rounding.
   const Interval start = at_point(*syntax, edge, at_low_end ? from : to, n.of[0]);
   const double reach = magnitude(base.c[1]) * (to - from);
   if (magnitude(start) > (contains(start, 0) ? digits : rounding) * reach) return std::nullopt;
   const std::optional<Halves> halves = Parting(*syntax, values, node).root();
   if (!halves || !halves->b) return std::nullopt;
+  // base = slope d: b (slope d)^alpha = (slope^alpha b) d^alpha.
   const double exponent = middle(values.at(n.of[1]).c[0]), slope = std::pow(std::abs(middle(base.c[1])), exponent);
   return ScalarOnPiece::Parts{at_low_end, exponent, eighth_of(halves->a), slope * eighth_of(*halves->b),
                               [syntax, edge, node, slope](double s) -> std::pair<double, double> {
@@ -462,6 +477,7 @@ ScalarOnPiece enclose(const std::shared_ptr<const Syntax>& syntax, const EdgeLin
   const bool straight = edge.is_straight();
   const Taylor f =
       straight || !edge.density ? values.root() : TaylorArithmetic(taylor_order).multiply(values.root(), here.stretch);
+  // On a curved edge a density per length is integrated over s: f |dx/ds| / |b - a| is what must be smooth.
   ScalarOnPiece piece{f.c[0], eighth_of(f), std::nullopt, std::nullopt};
   if (std::isfinite(piece.eighth)) return piece;
   // As narrow as the numbers of places allow, about a cut: one branch or the other, which the range of all of them

@@ -1,3 +1,12 @@
+// Expressions in x, y, nx, ny by muParser, and nothing else of muParser. A text is scanned before muParser sees it:
+// assignments, strings and operators that muParser has and kerf does not are refused with their column, and so are
+// names that nobody defined. What is accepted is evaluated with the definitions of [define] that it needs, directly or
+// not, each once per point and in their order. A parser keeps its variables by address and its stack within: an
+// evaluator serves one caller at a time. A pool holds those at rest, in 64 slots of a cache line each; taking one out
+// is one atomic exchange, and a lock is needed only to make a new one. A value that is not finite at the end is an
+// error with the point; in a definition it is none, since the branch that has it may not be taken. An expression
+// without x, y, nx, ny is evaluated once. docs/case-files.md lists the functions.
+
 #include "io/case/expression.hpp"
 
 #include "io/words.hpp"

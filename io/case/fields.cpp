@@ -1,3 +1,10 @@
+// One value of a case file as a number, a word, a list, a point, ... A Value carries the node of the document, the name
+// that messages call it by ("young in [material]", "entry 2 of outline") and its path in the table of keys, which gives
+// its range and its words; find() and items() hand all three down. Refusals have the form
+//   file:line:column: NAME must be WHAT IS ALLOWED, not WHAT IS THERE
+// with the nearest known word where a word is unknown. Nothing is converted silently: a number that is not finite, not
+// whole or out of its range is an error.
+
 #include "io/case/fields.hpp"
 
 #include "io/words.hpp"

@@ -1,3 +1,11 @@
+// Pairs of formulas as vector fields on edges and over boxes, with what can be proved of them (the interface
+// Enclosure): ranges, bounds of the eighth derivative, cuts and powers along an edge [theory: D.1, D.2], and the
+// deviation from polynomials over a box [theory: D.4]. Three fields derive from others:
+//   a pressure            t = -p n, as the trees of -p n_1 and -p n_2,
+//   without normal part   t - (t . n) n,    without component d   t - t_d e_d,    both as M(n) times an enclosed field.
+// On a straight edge M is one matrix, and ranges and bounds go through |M|; on a curved edge nothing is said of the
+// product. Two equal trees are evaluated once. docs/theory/data.md, "Enclosures".
+
 #include "io/case/formula.hpp"
 
 namespace kerf {

@@ -1,4 +1,9 @@
-// A body that comes from a file: [domain] file, with what [[crack]] and [[region]] say of its parts.
+// A body that comes from a file: [domain] file, with what [[crack]] and [[region]] say of its parts. Physical curves
+// crack:<name> and physical surfaces are matched with the tables by their names, both ways: a table that no curve has
+// is refused. A mesh (.msh) or a geometry that gmsh meshes is taken as it is; kerf draws and meshes other geometries by
+// itself, and only those can have more holes and cracks. The law of a crack needs the normal of its curve: of an arc it
+// is known, of a polyline of at least five points whose kinks are small (0.3) it is that of the curve that the polyline
+// stands for, tangents of second order at its corners, linear along the chords; other polylines have none.
 
 #include "geometry/plane.hpp"
 #include "io/case/sections.hpp"

@@ -1,3 +1,6 @@
+// The fingerprint of a case: a checksum of its document with the keys in alphabetical order and the contents of files
+// in the place of their names.
+
 #include "io/case/fingerprint.hpp"
 
 #include "io/case/named_files.hpp"

@@ -1,3 +1,9 @@
+// Values of conditions and functionals from a case file: a number, an expression in a string, or a function handed over
+// by a program (a black box, of which nothing is proved). Each carries its value at a point, its constant where it has
+// one, and its syntax tree for what can be proved. Errors get the line of the file and the name of the key in front.
+// Here too: [define], read and checked as a whole, each definition with those before it, so that a wrong one is refused
+// where it stands and one that nothing uses is refused as a mistake; and labels, by name, by hole or both.
+
 #include "io/case/formula.hpp"
 
 #include "io/words.hpp"

@@ -1,3 +1,11 @@
+// [functional] and [[optimize.bound]]: a table with `kind` as a sum of terms with factors. The keys that go with a kind
+// come from the table of keys; what is written beside them is refused with the kind's own keys. Fields in a term
+// (weight, target, direction) are kept twice: as functions, and as enclosures for what is proved of the integrals of
+// the term. A misfit compares with a file of readings (measured.cpp), with two expressions or with synthetic data,
+// which are computed later: until then its field throws. An energy release rate needs the geometry of its tip and a
+// ring free of everything else (tip.cpp), and a crack whose faces carry neither pressure nor gap, whose work it would
+// leave out. docs/theory/topological_derivatives.md has the functionals, docs/theory/inverse.md the misfit.
+
 #include "io/case/formula.hpp"
 #include "io/case/measured.hpp"
 #include "io/case/table.hpp"

@@ -1,3 +1,11 @@
+// The functions that expressions may call, one row of a table each: name, kind of break, number of arguments, and the
+// Taylor coefficients of the smooth ones. Inverse functions follow from their derivatives, c' = a'/d [theory: D.1] with
+//   asin: d = sqrt(1 - a^2);  atan: 1 + a^2;  asinh: sqrt(a^2 + 1);  acosh: sqrt(a^2 - 1);  atanh: 1 - a^2.
+// Outside its domain a function has the whole line as range; where only the derivative has no value (asin at 1) it has
+// its range and no derivatives. Ranges of monotone functions come from the values at both ends, which is sharper than
+// the range of the formula (sinh, tan). Functions that break are evaluated in enclose.cpp and deviation.cpp. A name
+// must mean here what it means in expression.cpp: otherwise the tree would prove things of another function.
+
 #include "io/case/functions.hpp"
 
 #include <iterator>

@@ -1,4 +1,7 @@
-// [[interface]]: where two regions of a drawn body meet, as cracks in contact.
+// [[interface]]: where two regions of a drawn body meet, as cracks in contact. The border of the two is found by the
+// geometry (seams), and may consist of several curves, which become cracks name, name.2, ...; their faces are those of
+// the two regions. "body" stands for what lies outside all regions. A bonded interface (contact = false) is a crack
+// without faces: edges of the mesh lie along it, and nothing jumps. docs/theory/contact.md, "Borders of regions".
 
 #include "io/case/interfaces.hpp"
 

@@ -1,3 +1,6 @@
+// Ranges of elementary functions over an interval, rounded outwards: monotone pieces by their ends, sines and cosines
+// with the extrema that lie between the ends.
+
 #include "io/case/interval.hpp"
 
 namespace kerf {
@@ -25,6 +28,7 @@ Interval cosine(const Interval& a) {
   if (!(magnitude(a) < most) || width(a) >= turn) return {-1, 1};
   // Extrema lie at multiples of pi; these are known to a few units in the last place.
   constexpr double margin = 1e-7;
+  // A margin too wide only adds an extremum that is not there: the range grows, and stays an enclosure.
   const double first = std::ceil(a.low / pi - margin), last = std::floor(a.high / pi + margin);
   Interval c =
       widened(std::min(std::cos(a.low), std::cos(a.high)), std::max(std::cos(a.low), std::cos(a.high)), library_ulps);
@@ -50,6 +54,7 @@ Interval arc_tangent(const Interval& a) {
 Interval arc_tangent(const Interval& y, const Interval& x) {
   if (x.low <= 0 && contains(y, 0)) return {-above(pi), above(pi)};
   // Around a point left out, the angle is extreme at corners of the box.
+  // The box does not meet the cut along the negative axis, so that the angle is continuous on it.
   Interval angle{infinity, -infinity};
   for (const double v : {y.low, y.high})
     for (const double u : {x.low, x.high}) angle = hull(angle, exactly(std::atan2(v, u)));

@@ -1,3 +1,6 @@
+// A copy of a case beside its results: the document with overrides in it, and copies of the files that it names under
+// names of kerf's own, so that the folder runs again anywhere.
+
 #include "io/kept.hpp"
 
 #include "io/case/named_files.hpp"

@@ -1,3 +1,5 @@
+// The completion script for bash, with every key that --set can name.
+
 #include "io/case/keys.hpp"
 #include "io/keys.hpp"
 

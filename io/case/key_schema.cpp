@@ -1,3 +1,9 @@
+// The table of keys as a JSON Schema (draft 2020-12), for editors. A row becomes the schema of its types (anyOf where
+// there are several), with range, words, default and text; a table becomes an object that allows its own keys only,
+// with `required`, `oneOf` for keys that exclude each other, and `dependentRequired` for keys that go with one other.
+// Tables that are like another one refer to it by $ref, so that each is written once. Which keys go with a kind of
+// functional or with a method is not expressed: the reader alone checks that.
+
 #include "io/case/keys.hpp"
 #include "io/keys.hpp"
 

@@ -1,3 +1,8 @@
+// The table of keys as text: `kerf keys` for a terminal (lines of at most 100 columns), tables in Markdown between the
+// marks <!-- keys: --> of a document, and one key with its value, default, example and alternatives. A name that is not
+// a path is searched for in all tables, so that `kerf keys radius` finds every radius; without any hit the nearest name
+// is suggested.
+
 #include "io/case/keys.hpp"
 #include "io/keys.hpp"
 #include "io/words.hpp"

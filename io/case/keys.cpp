@@ -1,3 +1,10 @@
+// The keys of a case file, one row each, and how they are looked up. A path is that of the tables around the key,
+// "optimize.hole[].circle.radius", where [] is an entry of a list. A table may be `like` another one and has the rows
+// of that one, too: find_key and keys_in follow such references, the innermost first. `with` names what a key goes
+// with: a key beside it, a kind, or a method; keys_in(table, variant) leaves out what does not go with the variant. The
+// reader, `kerf keys`, the tables of docs/case-files.md, the JSON Schema and the completion of the shell are all made
+// from this table, and tests compare what is in the repository with it.
+
 #include "io/case/keys.hpp"
 
 #include "kerf/case_file.hpp"

@@ -1,3 +1,9 @@
+// [map] and [validate]: the change that the topological derivative is taken for (a hole, a clamped hole, an inclusion,
+// an ellipse of an aspect, a crack), the points or the whole body, and the radii of validations, sorted from the
+// largest on. Radii are r_k = largest ratio^k where a table says so. The radius of the map itself is map.radius, or the
+// smallest of the validation, or 0.005 of the extent. docs/theory/topological_derivatives.md,
+// docs/theory/validation.md.
+
 #include "io/case/sections.hpp"
 
 #include <fmt/format.h>

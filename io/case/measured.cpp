@@ -1,3 +1,13 @@
+// Displacements measured at points on the boundary, as a field along one label. The boundary is cut into stretches on
+// which displacements are smooth: at corners (turns of more than 0.3 at an end of a side) and at mouths of cracks. Each
+// reading goes to the nearest stretch (at a corner to both), at the arc length s of its foot, and the field is
+//   u(s) = (1 - t) u_i + t u_{i+1},   t = (s - s_i)/(s_{i+1} - s_i)   between neighboring readings,
+// and periodic along a closed stretch. Beyond the outer reading of an open one the straight line goes on through that
+// reading and the nearest that is at least as far from it as the point: an error of one reading is at most doubled. A
+// stretch with less than two readings is joined with its neighbor, around the corner. Tolerances are relative to the
+// extent of the body: readings may be 1 % of it off the boundary. docs/theory/inverse.md has what the field is compared
+// with.
+
 #include "io/case/measured.hpp"
 
 #include "geometry/plane.hpp"
@@ -75,6 +85,7 @@ bool is_end_of_side(const Loop& loop, const Vec2& x, double tolerance) {
 }
 
 /// Puts the mouths of cracks on the loop among its points.
+// Displacements jump at a mouth: the two faces of the crack end there.
 void add_mouths(Polygon& p, const Shape& shape, double tolerance, std::vector<Vec2>& mouths) {
   for (const Crack& crack : shape.cracks)
     for (const Vec2& end : {crack.points.front(), crack.points.back()})

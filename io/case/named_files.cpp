@@ -1,3 +1,5 @@
+// Which values of a case file are names of files.
+
 #include "io/case/named_files.hpp"
 
 namespace kerf {

@@ -1,3 +1,10 @@
+// [optimize]: the method, what is bounded and what is moved. A level set takes symmetry, frozen regions, nucleation and
+// a start of holes or of another file's body; the methods that move drawn holes, cracks and regions take these (see
+// design_sections.cpp), least_squares and defects. Keys of the other methods are refused by name. Volumes are shares of
+// the area of the body, lengths are refused where they are not smaller than its diagonal. A start from another case
+// file is read with that file's own [optimize] start removed, and must lie inside this body: every point of its
+// outline, up to 1e-4 of the extent.
+
 #include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/document.hpp"
@@ -183,6 +190,7 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
     const Value at_most = need(entry, "at_most");
     bound.at_most = number(at_most);
     const std::string& kind = bound.functional.kind;
+    // A violation is (J - at_most) / |at_most|: it has no scale where at_most is 0.
     const bool any_sign = kind == "energy" || kind == "displacement" || kind == "crack_opening" || kind == "sum";
     if (any_sign ? bound.at_most == 0 : !(bound.at_most > 0))
       fail(at_most.node->position, fmt::format("{} must {}: violations are measured relative to it", at_most.name,

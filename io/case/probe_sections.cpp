@@ -1,3 +1,5 @@
+// [[probe]]: points by a list, by a file, or evenly along a line.
+
 #include "io/case/sections.hpp"
 #include "io/case/table.hpp"
 #include "io/words.hpp"

@@ -1,3 +1,9 @@
+// Case files as plain data, by toml++ and nothing else of toml++. Every value remembers its line and column; a value
+// that --set gives remembers the override instead. Entries are sorted by their place, since toml++ keeps them by name
+// and messages go through a file from the top. Files are bounded before they are parsed: 64 MiB, regular (a pipe may
+// never end), and dotted keys of at most 32 parts, since toml++ recurses into each part. What toml++ says of a mistake
+// goes through plain_words (toml_words.cpp).
+
 #include "io/case/reader.hpp"
 
 #include "io/case/toml_words.hpp"

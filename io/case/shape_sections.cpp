@@ -1,3 +1,10 @@
+// The drawn body: [domain] with its outline and the labels of its sides, [[hole]], [[crack]], [[region]], and the
+// material of each region. Corners and arcs become loops of sides: side i runs from vertex i to vertex i + 1, straight
+// or along the arc that entry i + 1 of the list describes (an arc names where it ends). Labels are numbered in the
+// order in which they appear, hole:<name> unless the case gives another; regions that optimize.frozen names and that
+// have no material of their own are masks, not regions of the body. A crack with Coulomb friction asks for meshes that
+// are mirrored at its tips.
+
 #include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"
@@ -13,6 +20,7 @@ namespace {
 
 Arc read_arc(const Vec2& a, const Vec2& b, const Vec2& given, const Value& field) {
   const double ra = (a - given).norm(), rb = (b - given).norm(), chord = (b - a).norm();
+  // Six digits are what a person writes; arc_between takes the exact center from the ends.
   if (!(std::abs(ra - rb) <= 1e-6 * std::max(ra, rb)) || !(ra > 0))
     fail(field.node->position, fmt::format("{}: the center must have the same distance to both ends of the arc, not "
                                            "{:.9g} to ({:.9g}, {:.9g}) and {:.9g} to ({:.9g}, {:.9g})",

@@ -1,3 +1,6 @@
+// [[step]]: a history of loads. A step changes numbers of [define], on the straight line from the values before it over
+// its substeps, and eigenstrains and conditions are read once more for each substep.
+
 #include "io/case/fields.hpp"
 #include "io/case/sections.hpp"
 #include "io/words.hpp"

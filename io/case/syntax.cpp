@@ -1,3 +1,12 @@
+// Syntax trees of expressions: recursive descent over muParser's grammar. From the weakest to the strongest binding
+//   c ? a : b,  ||,  &&,  comparisons (all alike, from the left),  + -,  * /,  signs,  ^ (from the right),
+// so that -x^2 is -(x^2) and x^-1 is allowed. Nodes are stored after those that they refer to; equal nodes are stored
+// once (found by their hash), so that a part that appears twice, or a definition used in many places, is evaluated
+// once, and x*x is seen as a square. A comparison becomes one of a difference with 0, min and max of many a chain of
+// those of two with their difference beside them, sqrt a power: later stages know few cases. What the parser does not
+// know gives no tree at all, and the data are sampled. The nodes are the inputs of enclose.cpp and deviation.cpp; the
+// depth of recursion is bounded here, later stages use no recursion. docs/theory/data.md, "Enclosures".
+
 #include "io/case/syntax.hpp"
 
 #include "io/case/functions.hpp"
@@ -28,7 +37,7 @@ struct NodeHash {
 };
 
 /// Recursive descent over muParser's grammar: ?: binds least, then ||, &&, comparisons (all alike, from the left), + -,
-/// * / and signs, ^ (from the right).
+/// * /, signs, ^ (from the right).
 class Descent {
  public:
   Descent(Syntax& out, const ExpressionContext& context) : out_(out), context_(context) {}
@@ -227,6 +236,7 @@ class Descent {
   int depth_ = 0;
 };
 
+/// The degree in x and y as far as the form of the tree shows it; -1: no polynomial. Terms that cancel are not seen.
 int degree_of(const SyntaxNode& n, const std::vector<int>& degrees, const Syntax& s) {
   const auto degree = [&](int k) { return degrees[n.of[k]]; };
   switch (n.kind) {
@@ -281,6 +291,7 @@ int degree_of(const Syntax& s) {
   std::vector<int> degrees;
   for (const SyntaxNode& n : s.nodes) {
     degrees.push_back(degree_of(n, degrees, s));
+    // Repeated squaring of definitions would overflow an int.
     if (degrees.back() > 1000) degrees.back() = -1;
   }
   return degrees.back();

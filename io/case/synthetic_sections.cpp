@@ -1,3 +1,6 @@
+// [synthetic]: the true body from which measurements are made up. Its element differs from that of the search, and its
+// mesh is finer by 0.7: data of the same discretisation would be fitted too well (an inverse crime).
+
 #include "io/case/sections.hpp"
 #include "kerf/element.hpp"
 

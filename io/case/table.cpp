@@ -1,3 +1,5 @@
+// Columns of numbers from a CSV file, picked by the names in its first line; every cell must be a finite number.
+
 #include "io/case/table.hpp"
 
 #include "io/words.hpp"

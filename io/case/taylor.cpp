@@ -1,3 +1,12 @@
+// Arithmetic of Taylor coefficients c_k = f^(k)/k! with intervals for numbers [theory: D.1; Moore 1966]. The rule of
+// each function comes from an equation without the function's series: the Leibniz rule for products, a differential
+// equation for the others, whose coefficients of t^(k-1) give c_k from those before it:
+//   t = a/b: t b = a;  t = a^p: a t' = p t a';  t = exp a: t' = a' t;  s = sin a, c = cos a: s' = a' c, c' = -a' s,
+//   with_slope: d t' = a' (log, asin, acos, atan, asinh, ...: d is the reciprocal of the function's derivative).
+// The range c_0 is always that of the interval function, which is sharper than a product or a quotient of ranges. A
+// function that has no derivative at some point of the range (a root or a logarithm that touches 0) keeps its range and
+// has the whole line for derivatives. docs/theory/data.md, "Enclosures".
+
 #include "io/case/taylor.hpp"
 
 namespace kerf {
@@ -58,6 +67,7 @@ Taylor TaylorArithmetic::divide(const Taylor& a, const Taylor& b) const {
   return t;
 }
 
+// By squaring; the sign of an even power is in the range of kerf::power, not in that of a product.
 Taylor TaylorArithmetic::power(const Taylor& a, int n) const {
   if (n < 0) return divide(constant(exactly(1)), power(a, -n));
   if (n == 0) return constant(exactly(1));

@@ -1,3 +1,13 @@
+// Taylor models over a box [theory: D.4; Makino, Berz 2003]: f(u, v) = T(u, v) + rest, T a polynomial with numbers for
+// coefficients, rest an interval that holds what T leaves out and all rounding. Products cut off terms above the degree
+// and put their magnitudes (|u|, |v| <= 1) into the rest. A function g of one number is composed by its own series
+// about a number a in the range A, with Lagrange's remainder,
+//   g(h) = sum_{k <= n} g_k(a) (h - a)^k + [g_{n+1}(A) (A - a)^{n+1}],
+// its coefficients by Taylor arithmetic. Kinks and jumps add to the rest what the branches may differ by:
+//   |a| = a + 2 max(-a, 0);  min(a, b) = b + min(a - b, 0);  c ? a : b in a + hull(0, b - a).
+// Every model keeps its range beside the polynomial, and falls back to its middle as a constant where the rest is
+// wider. docs/theory/data.md, "Triangles".
+
 #include "io/case/taylor_model.hpp"
 
 namespace kerf {
@@ -6,6 +16,7 @@ namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 // The sums of as many terms as there are coefficients are right to this share of the terms' magnitudes.
+// A coefficient of u^a v^b in a product is a sum of (a+1)(b+1) <= 20 products, a + b <= 7.
 constexpr double rounding = 64 * eps;
 
 constexpr std::size_t first_of(int degree) {
@@ -29,6 +40,7 @@ Interval about_zero(double size) {
 /// b t + a t^2 over |t| <= 1.
 Interval quadratic(double b, double a) {
   double low = std::min(a - b, a + b), high = std::max(a - b, a + b);
+  // The vertex t = -b/(2a) is inside where |b| < 2 |a|.
   if (std::abs(b) < 2 * std::abs(a)) (a > 0 ? low : high) = -b * b / (4 * a);
   const double margin = rounding * (std::abs(a) + std::abs(b));
   return {std::min(low, 0.0) - margin, std::max(high, 0.0) + margin};

@@ -1,3 +1,6 @@
+// Where the tip of a crack is, which way it points, how far it is from everything else, and the ring around it that an
+// energy release rate is integrated over.
+
 #include "io/case/tip.hpp"
 
 #include "geometry/plane.hpp"
@@ -65,6 +68,8 @@ TipPlace crack_tip(const Shape& shape, Index crack, bool at_start) {
                "crack \"" + shape.cracks[k].name + "\"");
   if (!own.arc && last > 1) consider(distance(tip.at, own, at_start ? 1 : 0, at_start ? last : last - 1), "its kink");
 
+  // A fifth of half the crack's length, half of what is free, and of an arc a tenth of its radius: the fields of a tip
+  // are those of a straight crack in a body without other sides.
   double outer = std::min(0.2 * 0.5 * path_length(own), 0.5 * tip.clearance);
   if (own.arc) outer = std::min(outer, 0.1 * own.arc->axes.col(0).norm());
   tip.ring = {0.3 * outer, outer};

@@ -1,3 +1,8 @@
+// What toml++ says of a mistake, in the words of somebody who writes case files: from the parser's sentence, the line
+// and the column where it stopped, the mistake that was probably made (a decimal comma, a unit after a number, text
+// without quotes, a comment that begins with //) and how to write it right. A sentence that no rule knows is passed on.
+// Sentences are matched by parts of them: with another version of toml++ fewer rules may match.
+
 #include "io/case/toml_words.hpp"
 
 #include "io/words.hpp"

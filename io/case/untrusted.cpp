@@ -1,4 +1,5 @@
-// What a case of a stranger names is looked at before anything of it is opened.
+// What a case of a stranger names is looked at before anything of it is opened: with --untrusted a file must lie in the
+// folder of the case (no .., no absolute path, no link on the way), be regular, and be no script of gmsh.
 
 #include "io/untrusted.hpp"
 

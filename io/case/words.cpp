@@ -1,3 +1,6 @@
+// Words in messages: quoted without control characters, the nearest known word by edit distance, names that are safe
+// for files.
+
 #include "io/words.hpp"
 
 #include <fmt/format.h>

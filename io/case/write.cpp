@@ -1,3 +1,5 @@
+// Nodes of a document as TOML, with all digits of a double or with as many as read back to the same one.
+
 #include "io/case/write.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,11 @@
-// From the cells of a mesh file to a body: its cells checked against each other, its rim, cracks and regions.
+// From the cells of a mesh file to a body: its cells checked against each other, its rim, cracks and regions. Lines of
+// the file mark edges of triangles: on the rim a physical curve is a label, inside one named crack:<name> is a crack,
+// any other one means nothing and is noted. Triangles on both sides of an edge that have nodes of their own there must
+// have a crack on it: without one the body would have a cut that nobody named. Physical surfaces are regions and masks;
+// each connected piece of one is a region of its own, and triangles of the body's own material that other regions
+// enclose are one called "enclosed". Labels and cracks are numbered in an order that does not depend on the order of
+// the lines: labels along the outline and the holes, cracks by their physical tags. Sides are drawn from the edges
+// (curves.cpp), so that the shape and the mesh are the same body.
 
 #include "io/mesh/body.hpp"
 #include "geometry/plane.hpp"

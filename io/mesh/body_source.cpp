@@ -1,3 +1,5 @@
+// What a file is by its ending, and the body in it: a mesh directly, a geometry by gmsh.
+
 #include "io/mesh/body.hpp"
 #include "io/mesh/gmsh.hpp"
 #include "io/mesh_source.hpp"

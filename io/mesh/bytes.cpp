@@ -1,3 +1,9 @@
+// The bytes of a mesh file, read forwards: words of text and numbers of memory. A number must use its whole word and
+// fit its type. count() bounds what a section announces by the bytes that are left, since each thing has a least size,
+// so that a damaged count costs no memory. Every error has its place: file and line in text, section and byte in
+// memory, where a line has no meaning. After a section in memory the end mark is text again. Numbers are taken in the
+// order of bytes of the machine; read_msh.cpp refuses files of the other order.
+
 #include "io/mesh/bytes.hpp"
 
 #include "io/words.hpp"

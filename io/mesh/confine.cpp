@@ -1,3 +1,10 @@
+// What a process or a thread may do, limited by the kernel for good: for gmsh, whose .geo scripts are programs. Two
+// means: a filter of system calls (seccomp: a BPF program that looks at the number of the call and the lower 32 bits of
+// its arguments) and rules for what may be written (Landlock, where the kernel has it). The filter refuses calls of
+// other architectures and of the x32 table first, since their numbers mean other calls. It sees flags that are
+// arguments (open, clone), not those in memory: clone3 is answered as on kernels that do not have it, and the C library
+// takes clone, where a new process is told from a new thread by CLONE_THREAD. docs/security.md, "What kerf starts".
+
 #include "io/mesh/confine.hpp"
 
 #include <fcntl.h>

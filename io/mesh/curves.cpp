@@ -1,3 +1,10 @@
+// Sides and cracks of a body from a file along the curves that its edges lie on. Of a mesh of second order the arcs of
+// the edges are joined as long as they lie on one curve; of a geometry, which gmsh gave points along each curve of,
+// circles become arcs, other curves chains of arcs fitted to the points within curve_tolerance of the extent
+// (fit_arcs). Pieces turn by at most a third of a turn, so that a side has an unambiguous arc between its ends.
+// Everything else is straight sides. A crack is drawn as one arc where it lies on one circle, and as a polyline
+// otherwise: corners of the points along its curves within the tolerance.
+
 #include "io/mesh/curves.hpp"
 
 #include "geometry/arc_chain.hpp"
@@ -36,6 +43,7 @@ double turn(const std::vector<Vec2>& line, const Vec2& center) {
 /// Along a circle, each at most a third of a turn.
 void add_arcs(const std::vector<Vec2>& line, const RawCurve& circle, Index label, std::vector<Side>& sides) {
   const double whole = turn(line, circle.center);
+  // Exactly a third of a turn is one piece, whatever its rounding.
   const int count = std::max(1, int(std::ceil(std::abs(whole) / (2 * pi / 3) - 1e-9)));
   const Vec2 from = line.front() - circle.center;
   const double start = std::atan2(from.y(), from.x());

@@ -1,3 +1,12 @@
+// Geometries (.geo, STEP, BREP, IGES) meshed by gmsh, and STEP files written by it. gmsh runs in a child process of its
+// own: it may crash, never end, print, and a .geo script may do anything. The child has a time limit, dies with kerf,
+// can start no program and write one file (confine.cpp), and sends records through a pipe: curves as 1,025 points each,
+// an error, or "done". The mesh itself comes as a file. kerf's own meshing needs the topology and the curves alone, so
+// that gmsh meshes coarsely then, 12 edges a turn; where chords so long cross each other 48 and 192 are tried. A curve
+// is recognized by its points, whatever gmsh calls it: a line where all lie on the chord, a circle where all have one
+// distance from the center through three of them, up to 1e-11 of the size or the radius. Temporary files go with the
+// object, with a signal and with quick_exit. The module with gmsh is loaded when it is needed (gmsh_module.cpp).
+
 #include "io/mesh/gmsh.hpp"
 
 #include "geometry/arc_chain.hpp"

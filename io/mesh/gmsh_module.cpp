@@ -1,5 +1,8 @@
 // The gmsh half of gmsh.cpp, built as a module of its own. gmsh lives here and nowhere else. Its state is global and
-// its functions are not re-entrant: one call at a time, each from the beginning to the end of gmsh.
+// its functions are not re-entrant: one call at a time, each from the beginning to the end of gmsh. A geometry is
+// opened in a thread that may write no file, since .geo scripts can. Faces of a CAD file that lie beside each other are
+// glued (removeAllDuplicates), so that they share their edges. For a coarse mesh every curve is divided by hand: lines
+// in one edge, others by how far their direction turns. gmsh goes on after errors, which are read from its log.
 
 #include "io/mesh/gmsh_module.hpp"
 

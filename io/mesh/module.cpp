@@ -1,3 +1,6 @@
+// Modules (shared libraries) and files beside the program: found from the program's own place, never from the folder
+// where the user stands, and checked for the functions that they must have.
+
 #include "io/module.hpp"
 
 #include <dlfcn.h>

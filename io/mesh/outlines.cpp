@@ -1,3 +1,10 @@
+// From edges to what is drawn: loops around sets of triangles, their straight sides, paths of cracks. trace() goes
+// along a half edge with the set on its left, then turns around its end from triangle to triangle until an edge leaves
+// the set: at a vertex where the set touches itself the loop stays with the fan of triangles it came from. The loop
+// with the largest signed area is the outline; areas of loops around holes are negative. Straight sides are as long as
+// possible: a line from its first point goes on as long as one direction passes every point within the tolerance, which
+// is kept as an interval of slopes that each further point narrows; each point is looked at once.
+
 #include "io/mesh/outlines.hpp"
 
 #include <fmt/format.h>

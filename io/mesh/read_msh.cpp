@@ -1,3 +1,11 @@
+// Files of gmsh (.msh), formats 2.x and 4.1, in text and in memory: nodes, lines and triangles of first and second
+// order, physical groups. Nothing in a file is trusted. A count is compared with the bytes that are left before
+// anything of that size is reserved; tags that stand twice, nodes that are not there, numbers that are not finite and
+// cells of other kinds are refused with the line or the byte. Sections that mean nothing here are skipped, not parsed.
+// Format 4.1 gives groups to entities (curves, surfaces) and cells to entities; 2.x gives each cell its group. Sets of
+// groups are stored once and numbered. Tags become numbers through an array while they are dense, through a hash table
+// otherwise. Points must lie in the plane z = 0, up to 1e-9 of the largest coordinate.
+
 #include "io/files.hpp"
 #include "io/mesh/bytes.hpp"
 #include "io/mesh/raw.hpp"
@@ -42,6 +50,7 @@ class Tags {
   }
 
  private:
+  // The array grows to at most four times the tags that there are: a tag of 2^60 takes no memory.
   std::int64_t dense_limit() const {
     return 4 * count_ + 4096;
   }
@@ -284,7 +293,7 @@ class MshReader {
                          kind->what));
   }
 
-  /// The nodes of a cell are next. `Tag`: of nodes in this format.
+  // The nodes of a cell are next: `node` reads the tag of one.
   template <typename Read>
   void read_cell(std::int32_t type, std::int64_t tag, std::int32_t entity, Index groups, Read&& node) {
     const int n = nodes_of(type, tag);

@@ -1,4 +1,12 @@
-// Circles, ellipses and smooth curves through the nodes of edges of second order.
+// Curves through the nodes of edges of second order. An edge with a node in its middle is bent; edges of the rim, of a
+// crack or of a border between materials form chains, and a chain is cut where it turns by more than a smooth curve
+// would. Each smooth run of bent edges then gets, in this order,
+//   one circle through all nodes,  one ellipse (5 nodes: A x^2 + B x y + C y^2 + D x + E y = 1),
+//   circles of two edges and more, ellipses of three and more, as long as their nodes lie on one,
+//   for what is left a conic per edge through both ends and the middle with given tangents [theory: E.37],
+// the tangents those of the neighbor or of the polynomial of degree 4 through five nodes of both. Nodes lie on a curve
+// up to 1e-4 of the least rise of the run's nodes above their chords, or 1e-9 of the extent. Every edge gets an arc (a
+// piece of an ellipse) of its own; curves() says which edges share one. docs/theory/elements.md, "Curved triangles".
 
 #include "io/mesh/second_order.hpp"
 
@@ -63,6 +71,7 @@ double turn_of(const Bent& e) {
 std::array<Direction, 2> end_directions(const Bent& e) {
   const Direction chord = direction(e.b - e.a);
   if (!e.bent) return {chord, chord};
+  // Inscribed angles: the tangent at a is turned from a-m by as much as a-b is from m-b; at b likewise.
   const Direction p = direction(e.middle - e.a), q = direction(e.b - e.middle);
   return {p * chord / q, q * chord / p};
 }
@@ -152,6 +161,7 @@ std::optional<Arc> ellipse_of(const Vec2& center, const Mat2& M) {
   if (!(low > 1e-9 * mean)) return std::nullopt;
   const double t = 0.5 * std::atan2(mixed, difference);
   const Vec2 e(std::cos(t), std::sin(t)), across(-e.y(), e.x());
+  // M has the eigenvalues mean +- apart, and a semi-axis is 1/sqrt of its eigenvalue; t turns to the larger eigenvalue.
   Mat2 axes;
   axes << e / std::sqrt(mean + apart), across / std::sqrt(low);
   return Arc{center, axes, 0, 0};
@@ -204,10 +214,12 @@ std::optional<Arc> conic(const Bent& e, const Direction& from, const Direction& 
   const double turn = cross(s, t), ahead = cross(chord, t) / turn, back = cross(s, chord) / turn;
   if (turn == 0 || !(ahead > 0) || !(back > 0)) return std::nullopt;
   const Vec2 p = e.a + ahead * s;
+  // Barycentric coordinates of the middle node in the triangle a, p, b: l_1 of p, l_2 of b.
   const double whole = cross(p - e.a, chord), l1 = cross(e.middle - e.a, chord) / whole,
                l2 = cross(p - e.a, e.middle - e.a) / whole, l0 = 1 - l1 - l2;
   const double natural = std::abs(angle_between(from, to)) / 2;
   const double w = l0 > 0 && l1 > 0 && l2 > 0 ? l1 / (2 * std::sqrt(l0 * l2)) : std::cos(natural);
+  // For an ellipse w is the cosine of half the angle that the piece turns by in coordinates where it is a circle.
   const double half = std::clamp(w < 1 ? std::acos(w) : 0, least_half_turn, most_half_turn);
   const double c = std::cos(half), sine = std::sin(half);
   const Vec2 middle = 0.5 * (e.a + e.b), x = (p - middle) * c / (sine * sine), y = chord / (2 * sine);

@@ -1,3 +1,11 @@
+// The triangles of a mesh file as one connected mesh, and what is checked of it. Nodes with the same coordinates become
+// one vertex: faces of a crack have nodes of their own in files of gmsh, and so have surfaces that were not glued. That
+// two triangles have different nodes on a common edge is remembered per edge (`doubled`). A surface whose triangles all
+// run clockwise is turned over as a whole; one that has both kinds is refused. Then, for the rim (edges with one
+// triangle): no node lies inside another edge of it, no two edges cross, no vertex has more than two of them, and the
+// angles of the triangles around a vertex add up to at most 2 pi. Edges that
+// may touch are found by a grid of cells. All messages name elements and nodes by their tags in the file.
+
 #include "io/mesh/welded.hpp"
 
 #include "geometry/plane.hpp"
@@ -193,6 +201,7 @@ class RimGrid {
   RimGrid(const Mesh& mesh, const std::vector<Index>& rim, double extent) : mesh_(mesh) {
     double sum = 0;
     for (const Index e : rim) sum += length(mesh, e);
+    // Cells about as long as the mean edge; not more than 2000 across, however fine the mesh is at a tip.
     step_ = std::max(sum / double(rim.size()), extent / 2000);
     origin_ = mesh.points.front();
     for (const Index e : rim) each_cell(e, [&](std::uint64_t key) { cells_[key].push_back(e); });

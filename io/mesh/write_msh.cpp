@@ -1,3 +1,10 @@
+// Meshes as files of gmsh, format 2.2 or 4.1 in text, which read_msh.cpp reads back as the same body. Every label,
+// crack and region is a physical group and at the same time the one curve or surface (entity) of that number, since
+// kerf's meshes have no geometry behind them. Lines of the rim run with the body on their left, those of a crack along
+// its path. A mesh with curved edges is written with nodes in the middle of all edges (second order), straight ones in
+// the middle of the chord. Numbers have 17 digits. Pieces "fibres.2" of a surface that came in several pieces are again
+// one group.
+
 #include "geometry/plane.hpp"
 #include "io/files.hpp"
 #include "kerf/mesh_file.hpp"

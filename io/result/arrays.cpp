@@ -1,3 +1,8 @@
+// Named arrays of 32-bit numbers in one file: a first line, a line "name type width rows" per array, an empty line,
+// then the values one array after the other as they lie in memory (little endian). A reader of the head knows where
+// each array begins. Sizes are compared with the bytes that are left before memory is taken for them, and the file must
+// end with the last array. The page draws from these arrays (plot/page).
+
 #include "io/arrays.hpp"
 
 #include "io/files.hpp"

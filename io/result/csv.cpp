@@ -1,3 +1,8 @@
+// Tables as comma-separated values: rows along a crack, intervals, steps of a history. A number has the shortest text
+// that reads back to the same double; one that is not finite is an empty cell. Texts with commas, quotes or line ends
+// are quoted. Columns that only some cracks have (fluid_pressure, gap) come last, so that the others keep their places.
+// A step k of n parts stands in the history at (steps before) + k / n.
+
 #include "io/csv.hpp"
 
 #include "io/files.hpp"

@@ -1,4 +1,10 @@
-// Drawings of a design for other programs.
+// Drawings of a design for other programs: SVG and DXF, with layers outline, holes, cracks and frozen. Every curve is
+// written as lines and circular arcs (circular(), 1e-4 of the extent). An arc from corner k to the next is given by its
+// bulge b = tan(turn / 4), positive counter-clockwise, the form of DXF; SVG takes
+//   radius = |chord| / (2 sin(turn / 2)),  large arc where |turn| > pi,  sweep by the sign of b.
+// A full circle becomes two halves, since b has no value at a full turn. y points up in DXF and down in SVG, which a
+// transform of the whole picture mends. DXF is version AC1015 with the tables, blocks and handles that readers of that
+// version insist on; lengths have no unit there.
 
 #include "geometry/arc_chain.hpp"
 #include "geometry/plane.hpp"

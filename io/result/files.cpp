@@ -1,3 +1,8 @@
+// Files as a whole: written beside the old one and renamed (write_whole_file), read with a limit. Reading refuses
+// folders, devices and pipes, and does not wait for a pipe without a writer; the limit holds for what is read, too,
+// since files of /proc say that they are empty. FolderLock is an exclusive flock on the folder of a run: it ends with
+// the process, however that ends. A file system that cannot lock gives none, and the run goes on.
+
 #include "io/files.hpp"
 
 #include "kerf/types.hpp"

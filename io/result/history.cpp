@@ -1,3 +1,6 @@
+// The history of an optimization as a table, one row per iteration, its header and the collection file that shows the
+// designs one after the other in ParaView.
+
 #include "io/history.hpp"
 
 #include "io/csv.hpp"

@@ -1,3 +1,5 @@
+// Every number of result.json under its path, for the table of a sweep; entries with names are called by them.
+
 #include "io/result_table.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// The names and dimensions of the quantities that each kind of mean has, in the order in which they are computed.
+
 #include "io/result.hpp"
 
 namespace kerf {

@@ -1,4 +1,8 @@
-// result.json and the tables beside it, read back: the mirror of result.cpp, section by section.
+// result.json and the tables beside it, read back: the mirror of result.cpp, section by section. null and what is not
+// there become NaN, an empty optional or a default; a section of the wrong form is "damaged". Words become values of
+// enums by the same tables that write them. Rows of cracks come from crack_NAME.csv, whose name is checked before it
+// becomes a part of a path, and the history of an optimization from history.csv. Not in the files, and so not read:
+// designs of counted defects, fields.
 
 #include "io/read_result.hpp"
 #include "io/words.hpp"

@@ -1,3 +1,8 @@
+// Tables that kerf wrote, read back: crack_NAME.csv and history.csv. Cells may be quoted, with line ends inside; every
+// row must have the cells of the head, an empty cell is NaN. Columns are found by name, but those of bounds and
+// variables of an optimization by their place, since users name these and may choose the name of a column. A table that
+// is not there leaves the result without rows; one of another form is "damaged".
+
 #include "io/result/read_tables.hpp"
 
 #include "io/files.hpp"

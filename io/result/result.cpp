@@ -1,3 +1,9 @@
+// result.json: every number of a run, a section per job that ran. Numbers have the shortest text that gives the same
+// double; one that is not finite, or not known, is null. Keys are written in the order of the code and never sorted, so
+// that files of two runs can be compared line by line. Angles are written in degrees. Names come from users and may
+// hold any bytes: what is no UTF-8 is replaced. read.cpp is the mirror of this file, and a key that is added here is
+// added there. docs/results.md says what the sections hold.
+
 #include "io/result.hpp"
 
 #include "io/files.hpp"

@@ -1,3 +1,10 @@
+// The summary of a run for a terminal: a heading of 12 columns, items with two blanks between them or a sentence,
+// wrapped at 100 columns. Widths count letters, not bytes (continuation bytes of UTF-8 are left out), and words longer
+// than a line are cut. Every text of a user goes through clean_text: no control characters reach the terminal. Numbers
+// have six digits, with +- a margin of two where one is known, and their units where the case names units. Long lists
+// are cut after ten points or thirty variables, with the file that has the rest. An interval that is no guarantee says
+// "(estimate)".
+
 #include "io/history.hpp"
 #include "io/map_words.hpp"
 #include "io/result.hpp"

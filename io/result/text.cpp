@@ -1,3 +1,8 @@
+// Texts and numbers for people: six digits without "-0", places, text of users without control characters and invalid
+// UTF-8, text inside HTML, bytes as base64. sequence() accepts exactly the sequences of UTF-8: no overlong forms (0xC0,
+// 0xC1 and three or four bytes for what fits fewer), no surrogates, nothing beyond U+10FFFF. What it refuses becomes
+// U+FFFD byte by byte, so that the text after a broken sequence is kept.
+
 #include "io/text.hpp"
 
 #include <fmt/core.h>

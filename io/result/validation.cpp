@@ -1,3 +1,6 @@
+// What a validation says in one sentence, J(eps) - J(0) = pi eps^2 (T + c2 eps^2 + c3 eps^2 ln eps), and its table.
+// docs/theory/validation.md, "The verdict".
+
 #include "io/validation.hpp"
 
 #include "io/csv.hpp"

@@ -1,3 +1,9 @@
+// Fields on triangles (.vtu), in parts (.pvtu) and along lines (.vtp), by VTK, which is loaded as a module when it is
+// needed. The module gets plain C data and gives back bytes, which are written here: exceptions do not pass through
+// VTK. Triangles with a curved edge become quadratic ones: three more points in the middles of their edges, on the arc
+// where there is one; values there are the means of the ends. A .pvtu only names its pieces and their arrays, and is
+// text. Counts are checked against the 32-bit numbers that cells are written with.
+
 #include "kerf/vtk.hpp"
 
 #include "geometry/plane.hpp"

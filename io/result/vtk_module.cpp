@@ -1,4 +1,6 @@
-// The VTK half of vtk.cpp, built as a module of its own. VTK lives here and nowhere else.
+// The VTK half of vtk.cpp, built as a module of its own. VTK lives here and nowhere else. Vectors of two components get
+// a third, 0, since ParaView warps by three; other fields are lent to VTK, not copied. Data are appended in raw form
+// without compression. Exceptions end here: a function returns false.
 
 #include "io/result/vtk_module.hpp"
 

@@ -1,3 +1,6 @@
+// Groups of numbers as bars from zero on one scale, names to the left and texts behind them; what is not finite is left
+// out.
+
 #include "plot/bars.hpp"
 
 #include "io/text.hpp"

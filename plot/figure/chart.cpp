@@ -1,3 +1,9 @@
+// Series of points as lines with markers: both axes logarithmic, or y linear. Points that an axis has no place for are
+// left out. Color and marker follow the style of a series, so that series are told apart without colors. Dotted lines
+// of given slopes, a fan from one point, show orders of convergence: they stand in the corner where they are in the way
+// of the fewest points, falling ones in a left corner and rising ones in a right one if there is a choice. An axis
+// spans the data and at least 0.8 of a decade, so that it has two labels.
+
 #include "plot/chart.hpp"
 
 #include "io/text.hpp"

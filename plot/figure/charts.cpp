@@ -1,3 +1,10 @@
+// Charts and curves from results. Of a validation: |remainder| of each point against the radius, logarithmic; of four
+// points at most also the difference J(eps) - J(0), with slope 2, its order, and slope 4, that of what the first term
+// leaves. Of an optimization: objective (and what is minimized, where penalties are in it), volume fraction, bounded
+// quantities over their bounds. A step that was refused leaves the values of the one before, and its own are dots of
+// another color. A panel is logarithmic where all values are positive and the largest is more than thirty times the
+// smallest.
+
 #include "plot/charts.hpp"
 
 #include "io/text.hpp"

@@ -1,3 +1,8 @@
+// The color bar of a picture, upright beside the plot or lying below it: colors, ticks, label. Where the limits of the
+// scale leave out values the bar has a point at that end, in the color of the end, and the extreme value in words. Both
+// bars are drawn by one code in coordinates along and across the bar. In a lying bar the words stand beside the label
+// and are left out where there is no room.
+
 #include "plot/figure/color_bar.hpp"
 
 namespace kerf {

@@ -1,3 +1,11 @@
+// Color tables and the range of values that they span. The linear table is viridis, the diverging one goes from blue
+// over white to red: straight lines in Msh, the polar coordinates (length, saturation, hue) of CIELAB, with the hue
+// turned towards the unsaturated middle [Moreland 2009],
+//   M = |Lab|, s = acos(L / M), h = atan2(b, a);  M and s are linear to M = 88, s = 0, and h to h + spin.
+// Limits leave out the tails: low and high are quantiles of the values at corners, each weighted by the area of its
+// triangle, since stresses at tips are any size on few triangles. Where a tail would stretch the scale by a tenth or
+// less it stays in. A diverging scale has 0 in its middle. Values of no size get a scale of their own.
+
 #include "plot/figure/colors.hpp"
 
 #include <algorithm>

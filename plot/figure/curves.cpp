@@ -1,3 +1,9 @@
+// Quantities against a common axis: panels below one another, each with its own scale, linear or logarithmic. A curve
+// breaks where it has no value, or none that a logarithm has; a value between two gaps is a dot. A dashed line is the
+// limit of a curve. The legend stands in the corner of its panel with the fewest points in it. The marks of the common
+// axis are whole numbers, since iterations and steps are counted; a second scale along the upper edge says what belongs
+// to them (state solves), as far as there is room.
+
 #include "plot/curves.hpp"
 
 #include "io/text.hpp"

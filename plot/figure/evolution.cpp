@@ -1,3 +1,8 @@
+// Designs of an optimization side by side: the body dark on what it filled in the beginning. All drawings have one
+// scale. The number of columns, 1 to 6, is the one that makes drawings largest on a page of at most 1600 x 1450 pixels,
+// area times the square of the share of places that are filled: one place left empty in the last row counts against a
+// number. Below 760 pixels of height per drawing.
+
 #include "plot/evolution.hpp"
 
 #include "plot/figure/frame.hpp"

@@ -1,3 +1,5 @@
+// Fontconfig is told of the font beside the program, unless the user has told it of others.
+
 #include "plot/fonts.hpp"
 
 #include "io/module.hpp"

@@ -1,3 +1,5 @@
+// What charts have in common: a page with title and subtitle, straight lines, the frame of a plot.
+
 #include "plot/figure/frame.hpp"
 
 namespace kerf {

@@ -1,3 +1,7 @@
+// Bodies in rows, each with a title and a caption: frame, body, supports, loads. All panels have one scale, pixels per
+// length, times that of their row: the largest up to 205 with which the widest panel fits the page. A row that is too
+// long goes on in the next line. A panel is at least 300 pixels wide, so that its texts can be read.
+
 #include "plot/gallery.hpp"
 
 #include "io/text.hpp"

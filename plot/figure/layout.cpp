@@ -1,3 +1,10 @@
+// Where everything of a picture of the body stands: plot, ticks, labels, title, color bar, in pixels. The plot has the
+// aspect of what is drawn, with some air around it, at most 1600 pixels for plot and sides and 1150 in height (1500
+// where the body is upright). Widths of tick labels depend on the size of the plot, and that on the room that labels
+// leave: six rounds settle it. A low plot has its color bar below. Texts are broken into lines, then set smaller, and
+// cut with "…" where no size fits: one more line comes before letters get smaller than 0.85. Widths of texts come from
+// a Measure, so that the layout can be tested without drawing.
+
 #include "plot/figure/layout.hpp"
 
 #include "io/text.hpp"
@@ -120,6 +127,7 @@ Bounds bounds(const Picture& picture) {
   }
   if (!out.low.allFinite()) out = {Vec2::Zero(), Vec2::Ones()};
   const double magnitude = std::max(out.low.cwiseAbs().maxCoeff(), out.high.cwiseAbs().maxCoeff());
+  // Points that are all one, up to rounding at their distance from the origin, get a size of that distance.
   double extent = (out.high - out.low).maxCoeff();
   if (!(extent > 1e-9 * magnitude)) extent = magnitude > 0 ? magnitude : 1;
   const Vec2 size = (out.high - out.low).cwiseMax(1e-6 * extent);

@@ -1,3 +1,8 @@
+// Many small charts of one kind side by side: a value per setting of a knob, on one logarithmic scale for all of them,
+// with limits, and a color for how the value is judged (good, told of, bad). What was refused is a cross at the upper
+// edge; values beyond the scale lie on its ends. Labels below are left out, every second, third, ..., where they would
+// touch. Four charts stand in a line.
+
 #include "plot/multiples.hpp"
 
 #include "io/text.hpp"

@@ -1,3 +1,8 @@
+// Drawing with cairo: sheets, colors, text, images, PNG. Letters are drawn without hinting, so that widths of texts are
+// proportional to their size. A sheet is made only where 64 MiB of address space are left: fontconfig does not look at
+// what malloc gives, and would end the program. A text is placed by its middle height, 0.365 of the font size above its
+// base line, and a line of a block has 1.3 of it. PNGs are made in memory and written as a whole.
+
 #include "plot/figure/pen.hpp"
 
 #include "base/address_space.hpp"

@@ -1,3 +1,9 @@
+// A picture of the body: field, outlines, cracks, borders of regions, supports and loads, marks with names, axes, color
+// bar. Lines lie over the field in this order, and cracks have a white rim so that they show on dark colors. Held sides
+// have short strokes where all components are held and rollers where one is free. A name stands at the first of 24
+// places around its mark where it touches no line and no other name, then at the first where it touches lines alone,
+// and is left out where there is none. layout.cpp says where everything stands; raster.cpp paints the field.
+
 #include "plot/picture.hpp"
 
 #include "io/text.hpp"

@@ -1,3 +1,11 @@
+// Triangles with linear values as pixels. Every pixel has 2 x 2 samples, and a sample belongs to the triangle that its
+// center lies in: a scan line per row of samples, from the left side to the right one, a center on a side belonging to
+// the right triangle. Neighbors compute the crossing with their common side from the same two ends in the same order
+// (the upper first), so that there are no gaps between them and no sample is painted twice. The value is
+//   step(x, y) = origin + gx x + gy y   in steps of the color table, clamped to the values of the corners,
+// because of a nearly flat triangle the gradient is rounding. Lines of the mesh have the width asked for, but no more
+// than a share of the triangle's size; triangles of a few pixels turn into an even gray instead of black.
+
 #include "plot/figure/raster.hpp"
 
 #include <algorithm>

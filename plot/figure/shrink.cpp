@@ -1,3 +1,5 @@
+// A PNG made smaller, with fewer shades: for pictures in documents.
+
 #include "plot/shrink.hpp"
 
 #include "plot/figure/pen.hpp"

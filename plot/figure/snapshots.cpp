@@ -1,3 +1,9 @@
+// Designs on the way of an optimization, kept for pictures: boundaries as loops with the body on their left, cracks as
+// lines. At most 32 are kept, those whose iteration is a multiple of a stride that doubles when there are more, and the
+// last one. So the memory is bounded however long a run is. pick() takes those nearest to evenly spread iterations.
+// They go to a file and back as numbers, beside the checkpoint of the optimization; what is read is checked against the
+// rules by which it was kept.
+
 #include "plot/evolution.hpp"
 
 #include "optimize/checkpoint_reader.hpp"

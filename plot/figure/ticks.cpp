@@ -1,3 +1,9 @@
+// Marks of axes and their labels. Steps are 1, 2 or 5 times a power of ten, the finest that gives no more marks than
+// asked for. Labels have the digits of the step. Where values are large or small a power of ten goes to the end of the
+// axis ("×10⁵"), and where all of them differ only beyond five digits an offset ("+ 1.2345×10³"). Logarithmic axes have
+// labels at powers of ten, every second, fifth, ... of them where there are many, at 2 and 5 times them where there is
+// less than a decade. Minus signs and exponents are those of print.
+
 #include "plot/figure/ticks.hpp"
 
 #include <fmt/core.h>

@@ -1,3 +1,9 @@
+// What the page says of stress and map in words, under their figures: where the largest value is and whether a finer
+// mesh would change it, what a small change of the body does to J (pi eps^2 T), what is masked and why. A singular peak
+// is named beside the largest value away from singular points, since the first grows with every finer mesh. A clamped
+// hole has no series in eps: there the map is the expected change of J itself. docs/theory/topological_derivatives.md,
+// "Clamped holes".
+
 #include "io/map_words.hpp"
 #include "io/text.hpp"
 #include "plot/figure/ticks.hpp"

@@ -1,3 +1,8 @@
+// The section of intervals: quantity, place, lower and upper end, the half width as a share of the value, whether it is
+// guaranteed, and the interval drawn. All intervals of a quantity are drawn on one line from 0 to the farthest end, so
+// that their widths can be compared with the quantity itself; none is thinner than two pixels. Notes are said once,
+// below. docs/theory/guarantees.md, "Intervals".
+
 #include "io/text.hpp"
 #include "plot/figure/ticks.hpp"
 #include "plot/page/sections.hpp"

@@ -1,3 +1,5 @@
+// Pieces of HTML: tables, folded sections, facts, notes, numbers with units.
+
 #include "plot/page/html.hpp"
 
 #include "io/text.hpp"

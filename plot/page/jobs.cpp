@@ -1,3 +1,8 @@
+// Sections of the page for validations and optimizations: verdicts in sentences, tables of radii, of iterations, of
+// holes that appeared, and the certificate of a design: the residual of the first-order conditions, (T - price) / price
+// of small holes, the same of small bumps, and the design on a finer mesh with intervals of its bounds.
+// docs/theory/validation.md, "The verdict"; docs/theory/guarantees.md, "What is guaranteed of an optimised design".
+
 #include "io/history.hpp"
 #include "io/text.hpp"
 #include "io/validation.hpp"

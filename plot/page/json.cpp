@@ -1,3 +1,5 @@
+// Objects and lists of JSON, written in their order, safe inside an HTML element.
+
 #include "plot/page/json.hpp"
 
 #include "io/text.hpp"

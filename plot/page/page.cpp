@@ -1,3 +1,8 @@
+// The page of a run: one HTML file with everything in it, sections in the order of the jobs, data and a script at the
+// end. A policy (Content-Security-Policy) in its head allows the script with this hash, inline styles and images in the
+// file, and nothing else: what a result holds is never run. Without scripts the numbers and tables are all there, and
+// only the figures are missing. The command comes from the comment at the top of the case as it was kept.
+
 #include "plot/page.hpp"
 
 #include "io/files.hpp"

@@ -1,3 +1,9 @@
+// The data of the page for its script, as JSON and as arrays in base64: fields with their colors and limits, marks,
+// curves. Indices take one, two or four bytes, as many as the largest needs; numbers are floats, which a screen does
+// not tell from doubles. Data lie in elements of types that no browser runs: they are never code, whatever a result
+// holds. Texts of users are escaped. What the page shows of each field (component, length, principal stress) is said in
+// one table here, and the browser's script computes it from the arrays.
+
 #include "plot/page/script.hpp"
 
 #include "io/text.hpp"

@@ -1,3 +1,5 @@
+// The section of a history of loads: slots for its curves and a table of its steps.
+
 #include "io/text.hpp"
 #include "plot/figure/ticks.hpp"
 #include "plot/page/sections.hpp"

@@ -1,3 +1,5 @@
+// Times of the phases of a run as bars.
+
 #include "plot/page/svg.hpp"
 
 #include <fmt/format.h>

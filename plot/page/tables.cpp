@@ -1,3 +1,7 @@
+// Sections of the page with tables: mesh, state with its resultants, load cases, contact, cracks with their tips. Long
+// tables of rows along a crack are thinned evenly to 60 rows, with the name of the file that has all of them. Numbers
+// carry their units where the case names units.
+
 #include "io/text.hpp"
 #include "plot/figure/ticks.hpp"
 #include "plot/page/sections.hpp"

@@ -1,3 +1,8 @@
+// The head of the page: one line per job with a verdict in a word, good, a warning or bad, and why; and the numbers
+// that one looks for first. A validation is bad where the expansion fails at a point, good where it holds at all of
+// them, and a warning else; its reason is that of the worst point. A state that did not converge and a design that is
+// infeasible are said in the line of their job; any other failure in a line of its own.
+
 #include "io/history.hpp"
 #include "io/map_words.hpp"
 #include "io/text.hpp"

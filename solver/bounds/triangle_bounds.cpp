@@ -89,7 +89,6 @@ class Roughness {
 
 /// Rules of degree 2 n on the thirds of the triangle integrate squares of polynomials of degree n, which stresses and
 /// the gradients of q and w are on each third: the energies of straight triangles have no error of quadrature.
-
 TriangleReference reference_of(const Element& e, int n, const Forces& f) {
   TriangleReference r;
   r.n = n;

@@ -1,3 +1,5 @@
+// The line of progress on a terminal and durations in words, against their texts: no line is wider than its terminal.
+
 #include "app/progress.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// The thread that writes files, against what a disk in memory has received: the order, the newest of what is written
+// anew, failures, and how much may wait.
+
 #include "app/write/writer.hpp"
 
 #include "kerf/types.hpp"

@@ -1,3 +1,7 @@
+// A run under faults of its own: what it left is compared with a run without faults. Either it ends with exit code 4 or
+// 5 and a message, or with 0 and the same numbers and files; an optimization and margins that found no memory are the
+// exceptions.
+
 #include "tests/faults/faults.hpp"
 
 #include <algorithm>

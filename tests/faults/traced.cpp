@@ -1,3 +1,8 @@
+// The program under ptrace(2): a filter of seccomp(2) stops it at calls that open, read, write, flush, cut, close,
+// rename, make or remove files. Those that concern the folder of the run are counted; the chosen one is not made
+// (number -1) and returns the error.
+// Linux on x86-64 alone; elsewhere nobody traces.
+
 #include "tests/faults/traced.hpp"
 
 #include <fcntl.h>

@@ -1,3 +1,7 @@
+// The program as a child of its own folder, home and environment, with limits of files and address space. Processor
+// time counts, or eight times as much by the clock: past the limit it is asked by SIGTERM to stop, and killed when it
+// does not. The outcome is what it printed, every file that is new, changed or removed, and what lies in its home.
+
 #include "tests/fuzz/child.hpp"
 
 #include <fcntl.h>

@@ -1,3 +1,7 @@
+// The promises of the program for every input, checked one after another: exit codes 0 and 2 to 5, one message in words
+// of the user, files in the folder of the run alone, a result.json that agrees with the exit code, no NaN in what it
+// says. The first promise that is broken names the fault.
+
 #include "tests/fuzz/contract.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,7 @@
+// An input from a seed and a number: a case of the corpus, changed once or more times, in bounds of work; a command
+// line; now and then options, overrides and bytes that are wrong. The same two numbers and the same corpus give the
+// same input everywhere.
+
 #include "tests/fuzz/input.hpp"
 
 #include "io/case/keys.hpp"

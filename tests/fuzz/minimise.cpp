@@ -1,3 +1,7 @@
+// Greedy search for a small input that still fails: options, nodes of the case file (each one left out, then made a
+// simple number), files, and pieces of half, a quarter, ... of their bytes are left out as long as the fault stays the
+// same. It ends when a whole round removes nothing.
+
 #include "tests/fuzz/minimise.hpp"
 
 #include <algorithm>

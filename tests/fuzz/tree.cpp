@@ -1,3 +1,5 @@
+// Case files as trees: read by toml++, in the order of the file, and written again, with whatever the tree holds.
+
 #include "tests/fuzz/tree.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,7 @@
+// Sizes on a background mesh, sizes from indicators, and bisection of triangles. The truths are the piecewise constant
+// approximation of r^-1/2, whose optimal rate is N^-1/2, the four shapes that halving leaves of a triangle, and the
+// arcs that edges stand for.
+
 #include "geometry/adapt.hpp"
 
 #include "kerf/mesher.hpp"

@@ -1,3 +1,6 @@
+// Chains of arcs and their fit to points: knots and tangents meet, derivatives against differences, areas and distances
+// of circles, ellipses and |x|^4 + |y|^4 = 1 against closed forms, the nearest place against all places.
+
 #include "geometry/arc_chain.hpp"
 
 #include "geometry/plane.hpp"

@@ -1,3 +1,6 @@
+// Meshes of discs with circles, ellipses and slits inside: the boundaries, the contours and the areas of shells against
+// those of the polygons, angles against the least that were measured; sides that stay whole in meshes around.
+
 #include "geometry/ball.hpp"
 
 #include "kerf/mesher.hpp"

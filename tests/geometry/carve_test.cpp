@@ -1,3 +1,6 @@
+// Bodies that a level set cuts out of a frame: areas, lengths of sides and numbers of holes against those of the
+// circles and strips that the level set describes, and what must hold whatever was carved.
+
 #include "geometry/carve.hpp"
 
 #include "geometry/plane.hpp"

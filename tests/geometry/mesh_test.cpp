@@ -1,3 +1,6 @@
+// Meshes made of points and triangles: Euler's formula, normals that close up, vertices split by cracks counted by
+// hand, refinement, and the triangle of a point against a search through all of them.
+
 #include "kerf/mesh.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/topology.hpp"

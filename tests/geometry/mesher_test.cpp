@@ -1,3 +1,6 @@
+// Triangulations of bodies with holes and cracks: they are valid, have the area and the crack lengths of their polygons
+// and the promised angles and sizes; what is refused is named. Random bodies are meshed or named.
+
 #include "kerf/mesher.hpp"
 
 #include "geometry/plane.hpp"

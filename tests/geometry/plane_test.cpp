@@ -1,3 +1,6 @@
+// Points, segments, polygons and arcs in the plane against answers by hand; on lines and corners the rule for ties
+// counts.
+
 #include "geometry/plane.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Regions of other material in meshes: the areas and rims of circles, ellipses and polygons against those drawn, also
+// after refinement and on a background; what cannot be meshed is named.
+
 #include "geometry/adapt.hpp"
 #include "geometry/mesher/smooth.hpp"
 #include "kerf/mesher.hpp"

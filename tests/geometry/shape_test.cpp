@@ -1,3 +1,6 @@
+// Shapes as polygons and as drawn: areas, bounds on chords and extents against closed forms; every kind of wrong shape
+// is named by its message.
+
 #include "kerf/shape.hpp"
 
 #include <gtest/gtest.h>

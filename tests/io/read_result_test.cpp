@@ -1,3 +1,6 @@
+// Results and histories, read and written again to the same bytes; files that are none, damaged or not ours are refused
+// by name.
+
 #include "io/read_result.hpp"
 
 #include "io/arrays.hpp"

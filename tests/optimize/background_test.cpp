@@ -1,3 +1,6 @@
+// The level set on a mesh: distances, areas and extensions against those of circles and lines, smoothing against an
+// eigenfunction, the fixed point against a T that is known.
+
 #include "optimize/level_set/background.hpp"
 #include "optimize/level_set/parts.hpp"
 

@@ -1,3 +1,6 @@
+// Checkpoints come back bit for bit; every truncation and every flipped bit is refused; a kill leaves the old or the
+// new one.
+
 #include "optimize/checkpoint.hpp"
 
 #include "kerf/types.hpp"

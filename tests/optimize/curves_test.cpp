@@ -1,3 +1,6 @@
+// Designs as curves: fits keep the area, derivatives of area and J against differences of whole solves, optima against
+// the limits asked for and against another evaluation of the same shape.
+
 #include "optimize/curves.hpp"
 
 #include "kerf/shape_gradient.hpp"

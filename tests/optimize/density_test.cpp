@@ -1,3 +1,6 @@
+// Densities on a lattice: compliances against the body-fitted solver, beam theory and uniform stresses, derivatives
+// against differences, the method of moving asymptotes against the cantilever of [Svanberg 1987].
+
 #include "optimize/density/density.hpp"
 
 #include "optimize/density/mma.hpp"

@@ -1,3 +1,6 @@
+// Drawn designs: the motion of vertices, areas and constraints against differences and against distances by hand; what
+// is drawn wrong is named.
+
 #include "optimize/parametric/constraints.hpp"
 #include "optimize/parametric/extend.hpp"
 #include "optimize/parametric/followers.hpp"

@@ -1,3 +1,5 @@
+// Elements that cannot be optimized: both loops refuse them in the words of the table of elements.
+
 #include "kerf/element.hpp"
 #include "tests/optimize/designs.hpp"
 

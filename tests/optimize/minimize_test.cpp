@@ -1,3 +1,6 @@
+// The methods for nonlinear programs against minima known by hand, with every way that a trial may fail; what is said
+// of the end must be so.
+
 #include "optimize/parametric/minimize.hpp"
 
 #include "base/nonnegative.hpp"

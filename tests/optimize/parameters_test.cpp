@@ -1,3 +1,6 @@
+// Optimizations of drawn parts: derivatives against central differences on the moved mesh, optima known by symmetry or
+// by an active constraint, and the same bits after a kill.
+
 #include "kerf/optimize.hpp"
 
 #include "optimize/parametric/evaluations.hpp"

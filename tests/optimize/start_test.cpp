@@ -1,3 +1,5 @@
+// Patterns of holes to start from: their number and place by hand; random ones repeat.
+
 #include "optimize/level_set/start.hpp"
 
 #include <gtest/gtest.h>

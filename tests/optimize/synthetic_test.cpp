@@ -1,3 +1,6 @@
+// Measurements made up from a true body: lines of sensors by hand, noise of the asked size, the misfit of the true
+// body. No inverse crime: data of the search's own element differ, and less on finer meshes.
+
 #include "kerf/inverse.hpp"
 
 #include "kerf/analysis.hpp"

@@ -1,3 +1,5 @@
+// The two scales of color against their published tables, and the limits of a picture against shares of its area.
+
 #include "plot/figure/colors.hpp"
 
 #include "tests/support/sample.hpp"

@@ -1,3 +1,5 @@
+// Titles in lines and the places of a figure and its bar, with letters of a known width.
+
 #include "plot/figure/layout.hpp"
 
 #include "io/text.hpp"

@@ -1,3 +1,6 @@
+// The page of results against the words it must hold, without markup from names and with balanced tags; thinned meshes
+// cover the same body.
+
 #include "plot/page.hpp"
 
 #include "io/text.hpp"

@@ -1,3 +1,5 @@
+// Triangles drawn into pixels: covered samples against the area, every sample once, linear values.
+
 #include "plot/figure/raster.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Numbers along an axis against labels by hand: round, inside, distinct and few at every size and offset.
+
 #include "plot/figure/ticks.hpp"
 
 #include <gtest/gtest.h>

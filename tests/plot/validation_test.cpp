@@ -1,3 +1,5 @@
+// A sample of validation as sentences, table and chart, against the text to quote.
+
 #include "io/validation.hpp"
 
 #include "io/files.hpp"

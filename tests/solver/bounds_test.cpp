@@ -1,3 +1,7 @@
+// Bounds of the energy contain that of exact fields, with and without cracks, and close at twice the order of the
+// stress where the field is smooth; bodies without an exact solution: bounds on fine meshes lie in those on coarse
+// ones.
+
 #include "kerf/bounds.hpp"
 
 #include "base/polynomial.hpp"

@@ -1,3 +1,6 @@
+// Bounds of quantities where contact changes: small problems of contact whose sets are all enumerated, exact fields of
+// cracks that close in part, and bounds on finer meshes.
+
 #include "base/quadrature.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/fracture.hpp"

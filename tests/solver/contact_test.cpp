@@ -1,3 +1,6 @@
+// The methods for contact and friction on matrices: the conditions of optimality themselves, enumeration of all
+// statuses, single points by hand, and each other.
+
 #include "solver/contact/contact.hpp"
 #include "solver/contact/law.hpp"
 

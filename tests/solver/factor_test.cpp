@@ -1,3 +1,6 @@
+// The sparse Cholesky factor against dense factors and inverses; its last block is that of the Schur complement; losses
+// of stiffness and signals.
+
 #include "solver/factor.hpp"
 
 #include "solver/system/generator.hpp"

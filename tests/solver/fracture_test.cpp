@@ -1,3 +1,6 @@
+// Stress intensities of tips against the K of exact fields and of polynomial states, and what mirrors, reversed paths
+// and threads must not change.
+
 #include "kerf/fracture.hpp"
 
 #include "tests/support/exact.hpp"

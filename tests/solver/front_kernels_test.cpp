@@ -1,3 +1,6 @@
+// Elimination in a dense front against Eigen's Cholesky factor and the Schur complement; the same bits in any order of
+// its parts.
+
 #include "solver/system/front_kernels.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// The element on one random triangle: rigid motions, linear fields and balance exactly; the condensation against the
+// saddle-point system, rules of quadrature against integrals of monomials.
+
 #include "solver/element/local.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// The multifrontal factor on a box of points in space: residuals, the last block against the inverse, and the same bits
+// for any number of threads and right-hand sides.
+
 #include "solver/factor.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Bounds of K, G and stresses contain those of exact fields of a straight crack, with regions, body forces, pressure
+// and without change of volume.
+
 #include "kerf/bounds.hpp"
 
 #include "kerf/fracture.hpp"

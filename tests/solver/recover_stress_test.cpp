@@ -1,3 +1,6 @@
+// Recovered stresses: those of the element are reproduced exactly, smooth ones several times closer; the fit at a
+// corner against least squares by QR.
+
 #include "solver/recover_stress.hpp"
 #include "base/polynomial.hpp"
 #include "solver/system.hpp"

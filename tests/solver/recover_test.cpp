@@ -1,3 +1,6 @@
+// The error indicator against the error of exact fields, and recovered displacements against exact ones, against their
+// definition, and at the faces of cracks.
+
 #include "kerf/recover.hpp"
 #include "base/polynomial.hpp"
 #include "solver/recovery.hpp"

@@ -1,3 +1,6 @@
+// Whole solves against the reference numbers of elements.json, exact fields with and without a crack (orders of
+// convergence, opening, pressure, slip), patch tests and balances of energy.
+
 #include "kerf/model.hpp"
 #include "solver/system.hpp"
 

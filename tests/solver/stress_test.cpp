@@ -1,3 +1,5 @@
+// Von Mises and principal stresses of known tensors, and the points where the stress of a body is singular, by hand.
+
 #include "solver/stress.hpp"
 
 #include "kerf/mesher.hpp"

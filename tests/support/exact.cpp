@@ -1,3 +1,6 @@
+// The tables of tests/data, read: csv and json of exact fields, elements.json. And the meshes they were made on:
+// squares of n x n cells, turned by an angle, inner vertices moved by a generator that is the same everywhere.
+
 #include "tests/support/exact.hpp"
 
 #include <algorithm>

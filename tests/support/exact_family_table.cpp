@@ -1,3 +1,5 @@
+// The exact fields of the tables by their names, with the parameters that the tables were made with.
+
 #include "tests/support/exact_families.hpp"
 
 #include <stdexcept>

@@ -1,3 +1,13 @@
+// Exact fields of plane elasticity, as displacement, stress, rotation and, for smooth ones, body force.
+// Straight cracks: Westergaard's functions [Westergaard 1939]; 2 mu u has Z, its primitive P and y Z, the stress Z and
+// y Z', in the closed upper half plane; Z(conj z) = conj Z(z) gives the lower one. Normal load p0 + p1 s on |s| < a:
+//   open          Z = (p0 z + p1 (z^2 - a^2/2))/sqrt(z^2 - a^2)
+//   closed        Z = p0 + p1 z
+//   partly open   on (c, a), where the faces meet smoothly at c: K = 0 there
+// The lens is open within |s| < L, Z = -p2 z sqrt(z^2 - L^2). Kirsch's hole: Goursat's functions in powers of R/z.
+// Smooth fields: u = (d2 s, -d1 s) + stretch w with products of one-dimensional functions; the pressure squeeze div w
+// stays finite at nu = 1/2, and the body force is -div sigma.
+
 #include "tests/support/exact_field.hpp"
 
 #include "tests/support/exact_families.hpp"

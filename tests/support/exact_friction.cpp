@@ -1,3 +1,6 @@
+// A closed crack that carries shear up to a limit: the shear above it acts as on a crack in mode II, the rest goes
+// through the faces as a uniform stress.
+
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>

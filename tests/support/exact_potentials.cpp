@@ -1,3 +1,7 @@
+// Fields from Goursat's functions phi and psi [Muskhelishvili 1953], in a turned frame:
+//   2 mu u = kappa phi - z conj(phi') - conj(psi),
+//   sxx + syy = 4 Re phi',  syy - sxx + 2i sxy = 2 (conj(z) phi'' + psi').
+
 #include "tests/support/exact_families.hpp"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Integrals over triangles by collapsed Gauss rules; about a tip R = rho^2 takes the singularity r^(-1/2) away.
+
 #include "tests/support/integral.hpp"
 #include "kerf/state.hpp"
 #include "solver/system.hpp"

@@ -1,3 +1,6 @@
+// Integrals of stress powers around cuts against half their form where the power is an energy, against the circle's own
+// formulas, against hand values and finer quadrature.
+
 #include "topo/formulas/exterior.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Derivatives of every functional by the adjoint, for load and Young's modulus, against central differences of whole
+// solves.
+
 #include "kerf/analysis.hpp"
 
 #include "tests/support/exact.hpp"

@@ -1,3 +1,6 @@
+// Green's tensor and clamped holes: a disc in closed form, a cantilever of topological_derivatives.json, holes that are
+// really meshed, and the interpolation against each point and against polynomials.
+
 #include "topo/map/green.hpp"
 #include "topo/map/green_samples.hpp"
 

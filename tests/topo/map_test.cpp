@@ -1,3 +1,6 @@
+// Maps of the topological derivative of the energy against the exact ones of fields with a crack, against values at
+// single points, and against a hole that is drilled.
+
 #include "kerf/map.hpp"
 
 #include "kerf/mesher.hpp"

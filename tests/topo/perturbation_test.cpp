@@ -1,3 +1,6 @@
+// The formulas of holes, inclusions, ellipses and cracks against energies in closed form, limits of each other,
+// published tensors, and brute force over angles.
+
 #include "kerf/perturbation.hpp"
 
 #include "tests/support/exact.hpp"

@@ -1,3 +1,6 @@
+// Shape derivatives of every functional against central differences of whole solves on moved points; at a tip against
+// the energy release rate.
+
 #include "kerf/shape_gradient.hpp"
 #include "solver/system.hpp"
 

@@ -1,3 +1,5 @@
+// Units of results against the way engineers write them; moduli that cannot be meant are noted.
+
 #include "kerf/units.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Powers of the von Mises stress around holes and inclusions against closed forms of even powers, Lame's disc, and the
+// definition by quadrature of Kirsch's field.
+
 #include "topo/formulas/von_mises.hpp"
 
 #include "base/quadrature.hpp"

@@ -1,3 +1,5 @@
+// A bar under tension, through the program: its energy in closed form lies in the bounds.
+
 #include "tests/truth/scene.hpp"
 
 namespace kerf::bar_test {

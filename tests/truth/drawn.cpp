@@ -1,3 +1,8 @@
+// Changes that are really drawn: the difference of J between the bodies with and without the change, divided by the
+// scale of the change, at several radii; least squares in powers of eps^2 with weight eps^2 extrapolate it to 0.
+// Both bodies have the lines of the change in their meshes, and sizes do not depend on what is drawn, so that most of
+// the error of the meshes cancels. The doubt: the fit without its last power, and J on two meshes.
+
 #include "tests/truth/drawn.hpp"
 
 #include "kerf/recover.hpp"

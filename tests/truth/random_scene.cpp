@@ -1,3 +1,6 @@
+// Case files from a seed: star-shaped bodies, cracks, materials and loads that nobody chose. The standard's generator
+// with distributions of our own gives the same scenes on every machine.
+
 #include "tests/truth/random_scene.hpp"
 
 #include "kerf/types.hpp"

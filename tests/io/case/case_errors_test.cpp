@@ -1,3 +1,5 @@
+// Case files with a mistake against the whole message: its line, its column, what is wrong and what helps.
+
 #include "tests/io/case/case_files.hpp"
 
 namespace kerf::case_errors_test {

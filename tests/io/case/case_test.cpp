@@ -1,3 +1,6 @@
+// What the reader makes of every section of a case file, against the values written there; all files of the folder of
+// cases read.
+
 #include "tests/io/case/case_files.hpp"
 
 #include "geometry/plane.hpp"

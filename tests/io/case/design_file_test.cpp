@@ -1,3 +1,5 @@
+// Case files of designs, read again: the same body under the same loads, and the J of the curves.
+
 #include "io/design.hpp"
 
 #include "geometry/arc_chain.hpp"

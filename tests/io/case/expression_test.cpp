@@ -1,3 +1,5 @@
+// Expressions against the same formulas in C++; mistakes against their column and message.
+
 #include "io/case/expression.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Functionals, maps and jobs with a mistake against the whole message, with line and column.
+
 #include "tests/io/case/case_files.hpp"
 
 namespace kerf::functional_errors_test {

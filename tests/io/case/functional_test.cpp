@@ -1,3 +1,6 @@
+// Sections [functional], [map] and [validate] against the terms they stand for, evaluated at points by hand; measured
+// data against linear functions.
+
 #include "io/case/tip.hpp"
 #include "tests/io/case/case_files.hpp"
 

@@ -1,3 +1,6 @@
+// The table of keys against the library's defaults, the document and the schema of docs, every case of the folder of
+// cases, and what bash offers.
+
 #include "io/case/keys.hpp"
 
 #include "io/case/reader.hpp"

@@ -1,3 +1,6 @@
+// Sections [optimize], [[load_case]] and [synthetic] against the requests they stand for; mistakes against the whole
+// message, with line and column; what the fingerprint depends on.
+
 #include "tests/io/case/case_files.hpp"
 
 namespace kerf::optimize_test {

@@ -1,3 +1,6 @@
+// Values from the command line, marks of encoding and limits of the file, against the case they give or the whole
+// message.
+
 #include "tests/io/case/case_files.hpp"
 
 namespace kerf::reader_test {

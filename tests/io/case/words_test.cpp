@@ -1,3 +1,5 @@
+// Suggestions for a mistyped word, quotes of text and names of files against what they must be.
+
 #include "io/words.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// Drawings of a design: the DXF read by another program (ezdxf), which must find the areas and lengths of the shape;
+// the layers of the SVG.
+
 #include "io/design.hpp"
 
 #include "geometry/arc_chain.hpp"

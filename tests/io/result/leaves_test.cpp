@@ -1,3 +1,5 @@
+// The numbers of a result as a flat table, against paths and values by hand; long lists and deep nesting are bounded.
+
 #include "io/result_table.hpp"
 
 #include "io/files.hpp"

@@ -1,3 +1,6 @@
+// result.json against the keys of its interface in their order, and against the bits of the numbers given; what is not
+// finite is null.
+
 #include "io/result.hpp"
 
 #include "io/files.hpp"

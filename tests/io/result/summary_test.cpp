@@ -1,3 +1,6 @@
+// The summary of a run against the sentences it must hold, at most a hundred columns wide; sections that did not run
+// are absent.
+
 #include "tests/support/sample.hpp"
 
 #include <fmt/core.h>

@@ -1,3 +1,6 @@
+// Numbers, UTF-8 and base64 (RFC 4648) as text against known answers; files are written whole or not at all, and what
+// is no regular file is not waited for.
+
 #include "io/text.hpp"
 
 #include "io/files.hpp"
