@@ -255,7 +255,11 @@ class BodyMaker {
   }
 
   void name_sides(const RimLoops& rim) {
-    std::vector<std::pair<Index, Index>> named;
+    struct Named {
+      Index edge, label;
+      const NamedSide* by;
+    };
+    std::vector<Named> named;
     for (const NamedSide& wanted : request_.sides) {
       double least = infinity;
       std::pair<std::size_t, std::size_t> nearest;
@@ -273,14 +277,14 @@ class BodyMaker {
                                     "point in the middle of the side",
                                     wanted.place, wanted.near.x(), wanted.near.y(), at(middle(rim[l][k].edge))));
       const Index label = number(marks_.labels, wanted.name);
-      for (const std::size_t k : side) named.emplace_back(rim[nearest.first][k].edge, label);
+      for (const std::size_t k : side) named.push_back({rim[nearest.first][k].edge, label, &wanted});
     }
     std::map<Index, Index> before;
-    for (const auto& [edge, label] : named) {
+    for (const auto& [edge, label, by] : named) {
       const auto [place, fresh] = before.emplace(edge, label);
       if (!fresh && place->second != label)
-        throw Error(Fault::Usage, fmt::format("{}the side at {} gets the names {} and {}", request_.sides.back().place,
-                                              at(middle(edge)), quote(marks_.labels[std::size_t(place->second)]),
+        throw Error(Fault::Usage, fmt::format("{}the side at {} gets the names {} and {}", by->place, at(middle(edge)),
+                                              quote(marks_.labels[std::size_t(place->second)]),
                                               quote(marks_.labels[std::size_t(label)])));
       marks_.label[std::size_t(edge)] = label;
     }

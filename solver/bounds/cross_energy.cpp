@@ -94,28 +94,28 @@ Eigen::RowVectorXd forced(const AdmissiblePair& of, const AdmissiblePair& on, In
   return at.cwiseProduct(on.shares[t].kept_displacement).colwise().sum();
 }
 
-/// On a curved cell, by its two rules; an eigenstrain is constant there.
+/// On a curved cell, by its two rules.
 Products inside_curved(const AdmissiblePair& u, const AdmissiblePair& w, Index t) {
   const Share &a = u.shares[t], &b = w.shares[t];
   const Material& material = material_of(u.m.mesh, u.m.scene, t);
   const Eigen::Matrix3d C = isotropic(material) ? Eigen::Matrix3d::Zero() : stress_matrix(material);
-  const auto free = [t](const AdmissiblePair& of) -> Eigen::Vector4d {
+  const Points& l = u.edges[t].empty() ? u.plain_curved : u.rich_curved;
+  const auto free = [&](const AdmissiblePair& of) -> Eigen::Matrix4Xd {
     const StrainData& strain = of.m.inner->data.strain;
-    return strain.empty() ? Eigen::Vector4d::Zero().eval() : strain_at(strain, t, Points::Zero(2, 1)).col(0).eval();
+    return strain.empty() ? Eigen::Matrix4Xd(Eigen::Matrix4Xd::Zero(4, l.cols())) : strain_at(strain, t, l);
   };
-  const Eigen::Vector4d free_u = free(u), free_w = free(w);
+  const Eigen::Matrix4Xd free_u = free(u), free_w = free(w);
   Vec2 lower = Vec2::Zero(), upper = Vec2::Zero();  // by either rule
   double size = 0;
   for (Eigen::Index q = 0; q < a.kept_weight.cols(); ++q) {
     const double p = -0.5 * (compliance_product(material, a.kept_stress.col(q), b.kept_stress.col(q)) +
-                             free_u.dot(b.kept_stress.col(q)) + free_w.dot(a.kept_stress.col(q))),
+                             free_u.col(q).dot(b.kept_stress.col(q)) + free_w.col(q).dot(a.kept_stress.col(q))),
                  v = 0.5 * stiffness_product(material, C, a.kept_strain.col(q), b.kept_strain.col(q));
     lower += p * a.kept_weight.col(q);
     upper += v * a.kept_weight.col(q);
     size += (std::abs(p) + std::abs(v)) * a.kept_weight(0, q);
   }
   const double rules = doubt_of_rules * (std::abs(lower[0] - lower[1]) + std::abs(upper[0] - upper[1]));
-  const Points& l = u.edges[t].empty() ? u.plain_curved : u.rich_curved;
   Eigen::RowVectorXd force = forced(u, w, t, l) + forced(w, u, t, l);  // times J, as the forces have it
   const Triangle cell = triangle(u.m, t);
   for (Eigen::Index q = 0; q < force.size(); ++q) force[q] /= cell_map(cell, l.col(q)).J;

@@ -185,7 +185,7 @@ bool exchange(Search& s, const std::vector<ContactPoint>& points, Trial& t) {
   std::size_t fewest = t.motion.size() + 1;
   const auto may_go_elsewhere = [&] { return s.system.elsewhere && !s.was_elsewhere; };
   for (int patience = trust; (patience > 0 || may_go_elsewhere()) && !spent(s);) {
-    if (may_go_elsewhere() && (patience == 0 || s.iterations == many)) {
+    if (may_go_elsewhere() && (patience == 0 || s.iterations >= many)) {
       t.motion = s.system.elsewhere(with_limits(points, t.pressure));
       s.was_elsewhere = true;
       fewest = t.motion.size() + 1;

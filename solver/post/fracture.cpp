@@ -743,7 +743,8 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   result.spread_K_I = relative(largest_difference(K.row(0)), size);
   result.spread_K_II = relative(largest_difference(K.row(1)), size);
   if (fluid_error.maxCoeff() > 0) {
-    const Eigen::MatrixXd off = (factors(disc, I + fluid_error, pressed, at_tip, -infinity).K - K).cwiseAbs();
+    const auto uncut = [&](const Integrals& all) { return factors(disc, all, pressed, at_tip, -infinity).K; };
+    const Eigen::MatrixXd off = (uncut(I + fluid_error) - uncut(I)).cwiseAbs();
     result.spread_K_I += relative(off(0, middle), size);
     result.spread_K_II += relative(off(1, middle), size);
   }

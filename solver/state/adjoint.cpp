@@ -649,7 +649,7 @@ std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span
   const Model& m = impl_->condensed.m;
   const Ordering& o = m.inner->ordering;
   if (m.inner->system.penalty > 0 || impl_->condensed.sliding || !is_definite(m.element) || !m.inner->factor ||
-      m.inner->factor->leading() || o.size == 0 || m.inner->standing.slides.cols() > 0)
+      m.inner->factor->leading() || o.size == 0 || !m.inner->standing.empty())  // then the factor has springs
     return std::nullopt;
   const Halves halves(m, loads);
   Columns columns = halves.of_loads();

@@ -253,6 +253,8 @@ bool is_loaded(const Assembly& from, Index t, System& a) {
 System assemble_loads(const Assembly& from, const System& like, bool with_matrix) {
   System a{.penalty = like.penalty, .force = empty_force(from), .traces = like.traces, .alike = like.alike};
   if (with_matrix) a.K = like.K;
+  // What the loads before did to the mean trace: triangles that bear none now are not condensed again.
+  if (a.traces.rows() > 0) a.traces.row(a.traces.rows() - 2).setZero();
   a.F = Eigen::VectorXd::Zero(from.ordering.size);
   const auto add = [&](Index begin, Index end) {
     Group group;

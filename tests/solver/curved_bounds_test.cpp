@@ -204,6 +204,26 @@ TEST(CurvedBound, HoldsTheEnergyOfAnEigenstrainThatChanges) {
   }
 }
 
+// The same disc: its rim moves out by 1/2, and the stress at a point is known. In curved triangles the strain changes,
+// too.
+TEST_P(CurvedBounds, HoldQuantitiesOfAnEigenstrainThatChanges) {
+  const Element& e = GetParam();
+  Scene scene{.material = steel};
+  scene.eigenstrain = {{.normal = [](const Vec2& x) -> Vec2 { return Vec2::Constant(x.squaredNorm()); },
+                        .shear = [](const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+  const double modulus = 1 / (0.25 / steel.mu + steel.c);
+  for (const double size : {0.5, 0.25}) {  // with 0.5 most triangles are curved
+    const Solved s({circle("outline", {0, 0}, 1, 0), {}, {}, {"rim"}, {}}, size, e, scene);
+    const QuantityBounds bounds(s.model, s.state);
+    const Bounded out = bounds.work({{0, [](const Vec2&, const Vec2& n) { return n; }}});
+    expect_contains(out, pi, title(e) + " rim");
+    EXPECT_LT(width(out), (e.stress == 1 ? 0.5 : 0.1) * pi) << title(e);
+    const StressBounds b = bounds.stress({0.6, 0});
+    expect_contains(b.s11, modulus * (1 - 0.36) / 4, title(e) + " radial");
+    expect_contains(b.s22, modulus * (1 - 3 * 0.36) / 4, title(e) + " hoop");
+  }
+}
+
 // Intervals of arcs hold the truth and are as narrow as those of a polygon about a value of its own.
 TEST(CurvedBound, IsFarNarrowerThanWhatAPolygonIsAway) {
   const ExactField f = exact::kirsch(steel, pull, 0.7);
