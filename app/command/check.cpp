@@ -7,6 +7,7 @@
 #include "app/command/refuse.hpp"
 #include "app/run.hpp"
 #include "app/run/load_cases.hpp"
+#include "app/run/notes.hpp"
 #include "app/run/optimize.hpp"
 #include "app/run/solve.hpp"
 #include "app/write/draw.hpp"

@@ -12,6 +12,7 @@
 #include "app/run/collect.hpp"
 #include "app/run/map.hpp"
 #include "app/run/margins.hpp"
+#include "app/run/notes.hpp"
 #include "app/run/peaks.hpp"
 #include "app/run/solve.hpp"
 #include "app/write/files.hpp"

@@ -14,6 +14,7 @@
 #include "app/run/coarse_copy.hpp"
 #include "app/run/collect.hpp"
 #include "app/run/map.hpp"
+#include "app/run/notes.hpp"
 #include "app/run/peaks.hpp"
 #include "app/run/solve.hpp"
 #include "app/write/draw.hpp"
@@ -283,16 +284,8 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   s.of_polygon = is_of_polygon(c.shape, coarse.mesh);
   s.notes = coarse.notes;
   if (const std::string note = lost_digits(found.state); !note.empty()) s.notes.push_back(note);
-  for (const std::string& note : notes_on_data(coarse.mesh, c.scene, coarse.inner->data, c.shape))
-    s.notes.push_back(note);
-  if (const std::string odd = implausible(c.units, c.young); !odd.empty()) s.notes.push_back(odd);
-  if (const std::string note = note_on_drawing(c, coarse); !note.empty()) s.notes.push_back(note);
-  const std::vector<std::string> about_mesh = notes_on_files(c);
-  s.notes.insert(s.notes.end(), about_mesh.begin(), about_mesh.end());
   for (const std::string& note : notes_on_size(found.strain, found.displacement, extent(c.shape)))
     s.notes.push_back(note);
-  if (const auto top = s.von_mises ? top_on_chords(c, *s.von_mises) : std::nullopt)
-    if (const std::string note = note_on_chords(c, *top, found.beside_chords); !note.empty()) s.notes.push_back(note);
   if (with_map && !has_series(c.map_request.perturbation))
     s.notes.emplace_back(
         "the map of clamped holes takes Green's tensor, which is smooth, of the mesh before it was divided and of one "
@@ -311,10 +304,17 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   for (const TipIntensity& tip : found.tips)
     r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
   add_pressures({tips, per_edge, in_parts.zones.points, extent(c.shape)}, r.cracks);
-  for (const std::string& note : notes_on_faces(r.cracks)) s.notes.push_back(note);
   ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
   for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
-  for (const std::string& note : notes_on_contact(r.cracks, contact)) s.notes.push_back(note);
+  add_notes(c,
+            {.body = coarse,
+             .triangles = static_cast<std::size_t>(r.triangles),
+             .certified = certified(found.state),
+             .has_stress = found.has_stress,
+             .contact = notes_on_contact(r.cracks, contact)},
+            r);
+  add_notes_on_chords(
+      c, coarse.mesh, [&](const Vec2&) { return found.beside_chords; }, r);
   if (has_contact(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
   r.functional = functional_result(c.functional, found.functional);
   found.functional.model = &coarse;  // no process has that of the whole
@@ -340,6 +340,7 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
     if (!r.map->points.empty())
       write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
   }
+  add_notes_on_points(c, coarse.mesh, r);
   write_crack_files(journal, r.cracks);
   for (std::size_t k = 0; k < c.probes.size(); ++k)
     write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});

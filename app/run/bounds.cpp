@@ -7,6 +7,8 @@
 
 #include "app/run/bounds.hpp"
 
+#include "app/run/notes.hpp"
+
 #include "geometry/curved.hpp"
 #include "kerf/derivative_bounds.hpp"
 #include "solver/open_faces.hpp"

@@ -6,6 +6,7 @@
 #include "app/run/load_cases.hpp"
 
 #include "app/run/margins.hpp"
+#include "app/run/notes.hpp"
 #include "app/run/peaks.hpp"
 #include "optimize/load_cases.hpp"
 #include "solver/resultants.hpp"

@@ -23,6 +23,7 @@
 #include "app/run/load_cases.hpp"
 #include "app/run/map.hpp"
 #include "app/run/margins.hpp"
+#include "app/run/notes.hpp"
 #include "app/run/optimize.hpp"
 #include "app/run/solve.hpp"
 #include "app/run/validate.hpp"
@@ -294,41 +295,24 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
   r.state = std::move(section.state);
   r.state->thickness = c.thickness;
   if (const auto effort = parted_effort(adapted.model)) r.solver = solver_result(*effort);
-  if (journal.options.in_single && r.solver)  // else it did not serve, which a note says
-    r.state->notes.emplace_back(
-        "the factor is kept in single precision: in double it would take more memory than there is or may be used");
-  if (const std::string odd = implausible(c.units, c.young); !odd.empty()) r.state->notes.push_back(odd);
-  if (has_functions(*c.document))
-    r.state->notes.emplace_back(
-        "functions of a program are known at sampled points alone: what is said of errors holds as sampled");
-  if (!r.steps.empty())
-    r.state->notes.push_back(
-        fmt::format("state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
-                    r.steps.back().name));
-  std::string loads = note_on_loads(c.scene, c.shape);
-  if (loads.empty() && certified(adapted.state) && !has_stress(adapted.model, adapted.state))
-    loads =
-        "there is no stress in the body: its loads are 0 wherever they were looked at, and what is prescribed moves "
-        "it as a rigid one";
-  for (std::string note : {std::move(loads), note_on_size(c, adapted.model.mesh.triangles.size())})
-    if (!note.empty()) r.state->notes.push_back(std::move(note));
-  const std::vector<std::string> about_mesh = notes_on_files(c);
-  r.state->notes.insert(r.state->notes.end(), about_mesh.begin(), about_mesh.end());
   r.cracks = std::move(section.cracks);
-  for (std::string& words : notes_on_contact(r.cracks, adapted.model, adapted.state))
-    r.state->notes.push_back(std::move(words));
+  add_notes(c,
+            {.body = adapted.model,
+             .triangles = adapted.model.mesh.triangles.size(),
+             .certified = certified(adapted.state),
+             .has_stress = has_stress(adapted.model, adapted.state),
+             .in_single = journal.options.in_single && r.solver,  // else it did not serve, which a note says
+             .contact = notes_on_contact(r.cracks, adapted.model, adapted.state)},
+            r);
   if (section.contact) r.contact = std::move(section.contact);
   require_energy(r.state->energy, has_stress(adapted.model, adapted.state));
   const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;
   PlotData data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
   add_largest(c, adapted, data, *r.state, r.cracks, journal);
-  if (const auto top = r.state->von_mises ? top_on_chords(c, *r.state->von_mises) : std::nullopt) {
-    const double middles = beside(adapted.model, adapted.state, data, c.plane_strain, top->at);
-    if (const std::string chords = note_on_chords(c, *top, middles); !chords.empty()) r.state->notes.push_back(chords);
-  }
-  if (r.state->von_mises && lies_on_chords_of_file(c, adapted.model.mesh, *r.state->von_mises))
-    r.state->notes.push_back(note_on_chords_of_file(r.state->von_mises->singular ? *r.state->von_mises->regular
-                                                                                 : r.state->von_mises->largest));
+  const auto beside_top = [&](const Vec2& top) {
+    return beside(adapted.model, adapted.state, data, c.plane_strain, top);
+  };
+  add_notes_on_chords(c, adapted.model.mesh, beside_top, r);
   journal.seconds.recover += journal.lap();
   const auto alone = [&journal](Case& one, Result& unseen) { return solve_body_as_it_can(one, journal, unseen); };
   if (certified(adapted.state)) add_load_cases(c, adapted, alone, journal, r);
@@ -600,12 +584,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   if (const auto asked = bounds_asked(c); asked && certified(adapted.state)) bound(*out, *asked, journal, r);
   const std::vector<std::vector<BoundedStress>> bounded = bound_probes(*out, journal);
   journal.begin("write");
-  const auto outside = [&](const std::string& whose, const std::vector<Vec2>& points) {
-    if (std::string note = note_on_points(whose, adapted.model.mesh, points); !note.empty())
-      r.state->notes.push_back(std::move(note));
-  };
-  for (const Probe& probe : c.probes) outside(fmt::format("probe \"{}\"", probe.name), probe.points);
-  if (r.map && c.map && !c.map->points.empty()) outside("map", c.map->points);
+  add_notes_on_points(c, adapted.model.mesh, r);
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (std::size_t i = 0; i < c.probes.size(); ++i)
     write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, map_task(c), mapped), bounded[i]);

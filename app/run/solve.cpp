@@ -7,6 +7,7 @@
 
 #include "app/run/solve.hpp"
 
+#include "app/run/notes.hpp"
 #include "app/write/draw.hpp"
 #include "app/write/files.hpp"
 #include "geometry/curved.hpp"
@@ -24,36 +25,6 @@
 
 namespace kerf {
 
-namespace {
-
-/// "the gap in a crack" of one with a name.
-std::string in_crack(std::string_view what, const std::string& name) {
-  return fmt::format("{} crack \"{}\"", what.substr(0, what.rfind(" a crack")), name);
-}
-
-}  // namespace
-
-std::string sampled_note(const Model& m) {
-  for (const UnseenData& u : unseen_data(m.mesh, m.scene, m.inner->data))
-    if (!u.stops_bounds)
-      return fmt::format("the bounds are estimates: {} {} near ({:.6g}, {:.6g})", u.what, u.how, u.at.x(), u.at.y());
-  return {};
-}
-
-std::vector<std::string> notes_on_data(const Mesh& mesh, const Scene& scene, const SceneData& data,
-                                       const Shape& shape) {
-  std::vector<std::string> notes;
-  for (const UnseenData& u : unseen_data(mesh, scene, data))
-    notes.push_back(fmt::format(
-        "{} {} near ({:.6g}, {:.6g}): {}",
-        u.label != none   ? fmt::format("{} on \"{}\"", u.what, shape.labels[u.label])
-        : u.crack != none ? in_crack(u.what, shape.cracks[u.crack].name)
-                          : u.what,
-        u.how, u.at.x(), u.at.y(),
-        u.stops_bounds ? "no error that is claimed can be trusted there" : "what lies between them is not seen"));
-  return notes;
-}
-
 void require_energy(double energy, bool has_stress) {
   const bool underflow = energy == 0 && has_stress;
   if (std::isfinite(energy) && !underflow) return;
@@ -65,63 +36,6 @@ void require_energy(double energy, bool has_stress) {
 bool has_stress(const Model& model, const State& state) {
   const auto stress = state.interior.topRows(stress_count(model.element));
   return stress.size() > 0 && stress.cwiseAbs().maxCoeff() > 0;
-}
-
-std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) {
-  std::vector<std::string> notes;
-  for (const CrackResult& crack : cracks)
-    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
-      notes.push_back(
-          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
-                      "contact = \"unilateral\" prevents it",
-                      crack.name, crack.penetration));
-  return notes;
-}
-
-std::string note_on_loads(const Scene& scene, const Shape& shape) {
-  const bool by_faces = std::ranges::any_of(scene.laws, [](const CrackLaw& law) { return has_gap(law); });
-  if (has_eigenstrain(scene) || by_faces || !nothing_acts(scene, shape)) return {};
-  return "nothing acts on the body, and its displacements and stresses are 0: give it a traction, a pressure, a body "
-         "force, an eigenstrain or a prescribed displacement that is not 0";
-}
-
-std::string note_on_size(const Case& c, std::size_t triangles) {
-  if (c.mesh || !(c.sizing.size > 0)) return {};
-  Vec2 low = c.shape.outline.sides.front().start, high = low;
-  for (const Side& side : c.shape.outline.sides) low = low.cwiseMin(side.start), high = high.cwiseMax(side.start);
-  for (const Arc& arc : arcs_of(c.shape))
-    for (const Vec2& x : points_on(arc, 8)) low = low.cwiseMin(x), high = high.cwiseMax(x);
-  const double width = (high - low).minCoeff();
-  constexpr double resolved = 0.1;
-  if (!(c.sizing.size >= width)) return {};
-  return fmt::format(
-      "mesh.size = {:.3g} is no smaller than the body is wide, {:.3g}: the mesh has {} triangles, as few as its "
-      "corners "
-      "and cracks allow, and resolves no field; take {:.2g} or less",
-      c.sizing.size, width, triangles, resolved * width);
-}
-
-std::string note_on_points(const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
-  const std::vector<Index> found = locate(mesh, points);
-  const auto lost = std::ranges::count(found, none);
-  if (lost == 0) return {};
-  const Vec2& first = points[static_cast<std::size_t>(std::ranges::find(found, none) - found.begin())];
-  return fmt::format("{}: {} of {} points lie outside the body, the first at ({:.6g}, {:.6g}): there is no value there",
-                     whose, lost, points.size(), first.x(), first.y());
-}
-
-std::vector<std::string> notes_on_files(const Case& c) {
-  std::vector<std::string> notes = c.file_notes;
-  if (!c.mesh) {
-    const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
-    notes.insert(notes.end(), crowded.begin(), crowded.end());
-    return notes;
-  }
-  constexpr std::string_view unlike =
-      "the mesh of domain.file is used as it is: with friction K_II may be wrong by up to a tenth at tips where it is "
-      "not its own mirror image in the crack";
-  if (c.sizing.mirrored_tips) notes.emplace_back(unlike);
-  return notes;
 }
 
 namespace {
@@ -194,29 +108,6 @@ void draw_chords(Case& c, const std::string& why) {
   c.why_chords = why;
 }
 
-bool is_of_polygon(const Shape& shape, const Mesh& mesh) {
-  return !arcs_of(shape).empty() && mesh.arc.empty();
-}
-
-namespace {
-
-/// Measured on 89 random bodies with holes, fillets, slots and rings, meshes by default, bdms: the largest von Mises
-/// stress of chords against the truth, least and largest difference. docs/method.md has the table.
-std::string chords_may_cost(const Element& e) {
-  if (e.name != "bdms" && e.name != "afw") return "is that of a polygon, and may be off by a tenth and more";
-  return e.degree == 1   ? "may be 9 % too small to 5 % too large"
-         : e.degree == 2 ? "may be up to 18 % too large"
-                         : "may be 5 to 22 % too large";
-}
-
-}  // namespace
-
-std::string note_on_drawing(const Case& c, const Model& model) {
-  if (!is_of_polygon(c.shape, model.mesh) || c.why_chords.empty()) return {};
-  return fmt::format("curved sides are drawn by chords, because {}: the largest stress on them {}", c.why_chords,
-                     chords_may_cost(model.element));
-}
-
 StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal) {
   const Model& model = adapted.model;
   const State& state = adapted.state;
@@ -234,10 +125,6 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
   s.state.of_polygon = is_of_polygon(shape, model.mesh);
   add_resultants(model, reactions(model, state), shape, s.state);
-  for (const std::string& note : notes_on_data(model.mesh, model.scene, model.inner->data, shape))
-    s.state.notes.push_back(note);
-  for (const std::string& note : notes_on_faces(s.cracks)) s.state.notes.push_back(note);
-  if (const std::string note = note_on_drawing(c, model); !note.empty()) s.state.notes.push_back(note);
   // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
   const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
   const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet
