@@ -1,3 +1,6 @@
+// Refusals: which expansions are not known where some of the body is orthotropic (docs/theory/orthotropic.md, "Free
+// holes").
+
 #include "topo/orthotropic.hpp"
 
 #include "topo/formulas/kind.hpp"
