@@ -1,3 +1,10 @@
+// Maps of clamped holes of a body that several processes hold in parts. The regular part of Green's tensor, w_j of
+// (T.28), is an answer of the whole body and as smooth as the distance to its sides, so that the first process computes
+// it on the mesh before the division: samples for the map everywhere [theory: T.31, T.32] and the value itself at the
+// listed points. It is packed into bytes, and every process evaluates M F = u(x0) [theory: T.29] with the displacements
+// of its own part. Functionals that need an integral of G + w over the body per point are refused. Derived in
+// docs/theory/topological_derivatives.md, section "Clamped holes".
+
 #include "topo/clamped_parts.hpp"
 
 #include "solver/packer.hpp"
@@ -31,6 +38,7 @@ std::vector<T> all_from(Unpacker& from) {
   return all;
 }
 
+// `samples_from` reads in the same order. The barriers are the walls' segments and are not sent.
 void put(const GreenSamples& g, Packer& to) {
   to.put(g.walls.size());
   for (const auto& alike : g.walls) {
@@ -88,6 +96,7 @@ GreenOfBody::Tensor tensor_of(const Model& m, const Field& s, double eps, std::s
 
 }  // namespace
 
+// Samples are taken at centroids that the mask leaves free: nearer to a feature no map asks for the tensor.
 std::shared_ptr<const GreenOfBody> green_of_body(const Analysis& a, const Functional& j, const MapRequest& r,
                                                  std::span<const Vec2> points) {
   const Model& m = *a.model;
@@ -110,6 +119,7 @@ std::shared_ptr<const GreenOfBody> green_of_body(const Analysis& a, const Functi
   return green;
 }
 
+// Listed points are compared bit by bit: all processes have them from the same case.
 Mat2 GreenOfBody::regular(const Tensor& tensor, const Vec2& x) const {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i] == x) return tensor.at[i];

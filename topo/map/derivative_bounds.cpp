@@ -1,3 +1,13 @@
+// Intervals of the topological derivative at points, from intervals of stresses [theory: B.27]. For circles
+//   form(s, t) = A tr s tr t + B (d_s d_t + q_s q_t),   d half the difference, q the shear,
+// a sum of products of scalars m of the state and n of the adjoint, and T = form(sigma, zeta - w/2 sigma) + local, w
+// the share of the energy, is a sum over the three scalars of factor (m n - w/2 m^2). Over the rectangle of the
+// intervals of m and n that is linear in n and quadratic in m: its extremes lie at the ends of n and at the ends of m
+// or the vertex. The adjoint is a state of its own, under the loads that J weighs (topo/functional/linear.cpp), and a
+// misfit has a third body; each gets bounds of its stresses at the points. Displacements have no bounds at a point:
+// what needs them (a body force that goes with a hole, a density of the displacement) is refused. Derived in
+// docs/theory/bounds.md; what is assumed is in docs/theory/guarantees.md.
+
 #include "kerf/derivative_bounds.hpp"
 
 #include "kerf/adaptive.hpp"
@@ -64,6 +74,8 @@ std::array<const Bounded*, parts> parts_of(const StressBounds& s) {
 }
 
 /// Of circles, form(s, t) = A trace trace + B (difference difference + shear shear).
+/// form(I, I) = A tr I tr I = 4 A; form of diag(1, -1) with itself is B times the square of half the difference, which
+/// is 1.
 std::array<double, parts> factors_of(const Perturbation& p, const Material& m) {
   Mat2 apart = Mat2::Zero();
   apart.diagonal() << 1, -1;
@@ -86,6 +98,7 @@ struct DerivativeBounds::Impl {
   std::string why;
   std::unique_ptr<const Other> dual, measured;
 
+  // An error of the other body leaves no bounds for J; it does not end the run.
   void prepare_others() {
     why = of.why.empty() ? refused(m.scene, p, of.loads.has_value()) : of.why;
     if (!why.empty()) return;
@@ -137,6 +150,7 @@ struct DerivativeBounds::Impl {
     return t;
   }
 
+  // The interval is guaranteed where all that it is made of is; the first note of the parts is kept.
   Bounded interval(const Material& material, const StressBounds& state, const StressBounds* adjoint,
                    const StressBounds* other) const {
     const std::array<double, parts> factor = factors_of(p, material);

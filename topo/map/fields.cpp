@@ -1,3 +1,5 @@
+// Recovered stresses of all fields of an expansion in one pass, and T at a point from them [theory: R.2, R.3, T.4].
+
 #include "topo/map/fields.hpp"
 #include "solver/system.hpp"
 #include "topo/analysis.hpp"
@@ -17,6 +19,7 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
   if (a.biactive)
     for (const Field& y : a.biactive->response) fields.push_back({m, y});
   std::vector<RecoveredStress> found = recover_stresses(fields, f->corners, f->singular, wanted);
+  // `recovered` is indexed by FieldOf::number: an absent adjoint or misfit keeps its place, the openings follow.
   auto next = found.begin();
   const auto place = [&](bool there) {
     if (there)

@@ -1,5 +1,9 @@
-// All data that an expansion takes at a point, as one vector per place; where it changes by a share of its size over no
-// distance, it jumps.
+// Where the data of an expansion jump: weights and targets of J, the body force, an eigenstrain. Nothing is known of
+// these functions but their values. All of them at a place form one vector, taken at fixed values of the fields; each
+// quarter of an edge of the mesh is bisected towards the half that changes more. A jump keeps its size under halving, a
+// smooth function does not, which is what tells them apart; what lies between two samples of a quarter is not seen.
+// Crossings are joined within triangles to segments, from which masks and validations keep away.
+// docs/theory/validation.md has the rule, section "The verdict".
 
 #include "topo/map/jumps.hpp"
 
@@ -27,6 +31,7 @@ class PlaceData {
     return terms_.empty() && !m_.scene.body && !has_eigenstrain(m_.scene);
   }
   // t: a triangle beside the place, whose region has the eigenstrain.
+  // The fields are arbitrary and not 0, so that a density keeps its dependence on the place.
   std::vector<double> at(const Vec2& x, Index t) const {
     std::vector<double> v;
     for (const Term* term : terms_) {

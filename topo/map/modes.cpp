@@ -1,3 +1,7 @@
+// T as the sum of its parts at a point: mean stress, deviator, what both give together, eigenstrain, displacement,
+// density. An error of a part of T is seen in proportion to its share (docs/theory/validation.md, section "The
+// verdict").
+
 #include "topo/map/modes.hpp"
 
 namespace kerf {
@@ -8,6 +12,7 @@ using Stress = Eigen::Vector3d;
 
 // The same point with every stress mapped, and with displacements or without.
 template <class Map>
+// The misfit of an inclusion is a part of its own and left out here.
 PointValues mapped(PointValues v, bool moved, const Map& map) {
   v.misfit = 0;
   for (Stress* s : {&v.stress, &v.dual, &v.measured}) *s = map(*s);
@@ -46,6 +51,7 @@ std::vector<Mode> modes_of(const Expansion& e, const PointValues& v, const Orien
     // J sees no stress but by its density.
   } else if (row(fixed).becomes == Becomes::Slit) {
     // Pressed together, a crack has its tangential part left, which no mean stress changes.
+    // The stresses of states are pressed, not that of the adjoint: they decide whether the crack is open, at any angle.
     const double pressure = 1e3 * (v.stress.norm() + v.measured.norm());
     const auto press = [&](const Stress& s) { return Stress(s - pressure * Stress(1, 1, 0)); };
     PointValues pressed = mapped(v, false, same);

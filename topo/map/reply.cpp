@@ -1,3 +1,10 @@
+// What a body answers to singular fields G in closed form: the regular w with sigma(w) n = -sigma(G) n on free sides
+// and open faces and w = -G where held, contact linearized [theory: T.28, Q.4]. The loads are the moments of the
+// tractions of G, and its displacements, on the boundary and on cracks that move; edges near the singular point are
+// integrated in pieces. `to` solves for w itself. `displacements` reads the recovered displacement of w at the singular
+// point alone, for many points at once: loads and readings are sparse vectors that meet half way through the factor
+// [theory: T.38]. docs/theory/second_order.md, section "The reply of the body".
+
 #include "topo/map/reply.hpp"
 
 #include "solver/recovery.hpp"
@@ -14,6 +21,7 @@ BodyReply::BodyReply(const Model& m, TangentCone cone) : model_(m), solver_(m, s
   }
 }
 
+// The trace on the boundary; of a crack the jump, per_edge unknowns of each edge.
 std::vector<Index> BodyReply::loaded_unknowns() const {
   const Mesh& mesh = model_.mesh;
   const Skeleton& skeleton = model_.inner->skeleton;

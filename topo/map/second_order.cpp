@@ -1,3 +1,11 @@
+// c2 at a point [theory: Q.1, Q.5, Q.8, Q.12]: J(eps) - J = pi eps^2 (T + c2 eps^2 + O(eps^4)).
+//   c2 = sum over products f Q(s, t), the same products as for T, Q the form of topo/formulas/second_term.cpp.
+// State and adjoint are fitted by Kolosov's potentials on a disc of 0.7 times the distance to the next feature
+// (topo/map/taylor.cpp). The circle sends out the dipoles of the state; the body's reply is solved for with the factor
+// of the state and fitted on the same disc, where its a1, b1 are alpha, beta of (Q.4). `answer_radius` says from where
+// on the series begins: where the reply to a part of the stress is as large as that part [theory: V.11]. Derived in
+// docs/theory/second_order.md.
+
 #include "kerf/second_order.hpp"
 
 #include "solver/system.hpp"
@@ -153,6 +161,7 @@ struct SecondOrders::Impl {
     result.available = true;
   }
 
+  // One sent field, and its reply on the triangles of the fit only.
   static TaylorField replied(BodyReply& body, const Perturbation& change, const TaylorFit& fit, const TaylorField& s,
                              const Material& material, const Vec2& x) {
     const Nucleus sent = dipole_field(material, x, dipoles(change, material, s));
