@@ -1,3 +1,12 @@
+// The functionals, each as the densities of a Term with their derivatives by the fields. Energy, compliance and misfit
+// name what the solver computes (N.8, T.7). Tracking is 1/2 int w |u - u_d|^2 over the body or a part of the boundary
+// [theory: T.15]; displacement, opening and pressure of a crack are integrals over boundary and faces. The release rate
+// of a tip is a domain integral over a ring [Destuynder, Djaoua 1981; theory: T.24],
+//   G = int s : (grad u grad theta) - 1/2 s : eps div theta - f . (grad u theta),   grad u = A s + Gamma(omega),
+// theta = direction q(r), q = 1 at the tip and 0 beyond the ring. It sees stress and rotation, so that the loads of its
+// adjoint live in the ring. Derived in docs/theory/topological_derivatives.md, sections "Functionals of the
+// displacement and of cracks" and "Energy release rate".
+
 #include "kerf/functional.hpp"
 
 #include <algorithm>
@@ -97,6 +106,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
   term.feature_radius = outer;
   term.release_along = along;
   const bool loaded = static_cast<bool>(body);
+  // With a body force q itself counts and the disc inside the ring has a density.
   term.somewhere = [=](const Vec2& center, double radius) {
     const double r = (center - tip).norm();
     return r - radius < outer && (loaded || r + radius > inner);

@@ -1,3 +1,7 @@
+// J as energies plus the work of loads, for bounds [theory: B.27]: what J weighs the displacement, its trace or the
+// opening of a crack with becomes the body force, traction or pressure of a second scene, whose solution is the
+// adjoint.
+
 #include "topo/functional/linear.hpp"
 
 #include "solver/at_rest.hpp"
@@ -59,6 +63,8 @@ std::string unknown(const Term& term) {
 
 }  // namespace
 
+// `dual_share` is the factor of the first such term, so that its loads are taken as they are, with what is known of
+// them for enclosures; the others are multiples of it.
 LinearParts linear_parts(const Functional& j, const Model& m) {
   LinearParts parts;
   const bool self_adjoint = has_self_adjoint_work(m);

@@ -1,4 +1,10 @@
-// Rules of triangles and edges, cut where the enclosures of data leave too much of their integrals.
+// Where the integrals of a term look. Weights, targets and directions may vary within a triangle or an edge more than a
+// rule of fixed degree sees; where they are expressions, interval arithmetic encloses what the points may miss [Moore
+// 1966; theory: D.2, D.4]. A piece has, per component of each datum, the integral of its size by the points and the
+// enclosure of what is missed. Of the component with the largest missed share the piece that misses most is cut
+// (triangles in four, edges at the places where an expression is not smooth or in half), until less than 1e-4 of each
+// integral over the triangle or edge is missed, or 120 cells or 300 spans were looked at. `missed` tells what is left
+// over the whole body, for a note. Derived in docs/theory/data.md.
 
 #include "topo/functional/places.hpp"
 
@@ -70,6 +76,7 @@ void cut_until_seen(std::vector<Piece>& pieces, int most, const Cut& cut) {
         largest = size > 0 ? error / size : infinity;
         worst = at;
         worst_of = i;
+        // A datum that the points do not see at all, or whose enclosure is infinite, is cut first.
         if (largest == infinity) break;
       }
     }
@@ -94,6 +101,7 @@ struct CellOfData : PieceOfData {
 class Cells {
  public:
   Cells(const std::vector<Datum<VectorField>>& data, const Triangle& shape) : shape_(shape), data_(data) {
+    // A curved triangle lies within the box of its chords widened by what its sides bend.
     for (const Bow* bow : shape.bow)
       if (bow)
         for (const Vec2& q : bow->q) beyond_ += 0.25 * q.norm();  // products of two coordinates are 1/4 at most
@@ -221,6 +229,7 @@ class Spans {
         size += h * rule.w[q] * value(*f, s.from + h * rule.s[q]).cwiseAbs();
       for (int d = 0; d < components; ++d) {
         const auto& [low, high] = known.value[static_cast<std::size_t>(d)];
+        // The enclosure of values bounds the error as well: on short spans it may be the smaller one.
         const double left = std::min(left_by_interpolation(known.eighth[static_cast<std::size_t>(d)], h), high - low);
         s.size.push_back(size[d]);
         s.error.push_back(left <= nothing[d] ? 0 : std::isfinite(left) ? 2 * h * left : infinity);

@@ -1,3 +1,6 @@
+// J = int w V^(p/2) of the von Mises stress and its p-norm: density, derivative, and what a small change does to the
+// density around itself [theory: T.17, T.18, T.19, T.34].
+
 #include "kerf/functional.hpp"
 #include "topo/formulas/exterior.hpp"
 #include "topo/formulas/kind.hpp"
@@ -31,6 +34,7 @@ class Tables {
   }
 
  private:
+  // References stay valid: a map does not move its entries. A table is made under the lock, so that it is made once.
   template <class Key, class Table, class Make>
   const Table& found(std::map<Key, Table>& tables, const Key& key, const Make& make) {
     const std::scoped_lock lock(mutex_);
@@ -52,6 +56,7 @@ double around(Tables& tables, double p, const Perturbation& change, const FieldP
                   "functionals of the stress have no expansion for clamped holes, around which the stress is singular; "
                   "use another perturbation");
     case Becomes::Slit: {
+      // Open or closed as the stress of the state presses the faces.
       const Vec2 n(-std::sin(*change.angle), std::cos(*change.angle));
       const CutShape cut{n.dot(at.stress * n) > 0 ? CutShape::Kind::Open : CutShape::Kind::Closed};
       return exterior(tables.cut(cut, at.material), at.stress, *change.angle);

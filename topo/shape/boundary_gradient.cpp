@@ -1,3 +1,9 @@
+// The density g of the shape derivative on free edges, dJ(theta) = int g theta.n [theory: S.4, S.5]:
+//   g = j - s_tt j_s,tt - s_tt z_tt/E' + f.p,   energies s_tt^2/(2E') - f.u,   tt tangential, s state, z adjoint,
+// at two Gauss points per edge from recovered stresses. It is an approximation (the discrete J has the distributed form
+// of shape_gradient.cpp), better the smoother the stress; corners of less than pi and ends of supports have no
+// integrable g. Level sets take their speed from it. Derived in docs/theory/shape_gradient.md, section "Boundary form".
+
 #include "kerf/shape_gradient.hpp"
 #include "solver/parallel.hpp"
 #include "solver/system.hpp"
@@ -38,6 +44,7 @@ class DensityOnEdge {
     for (const Term& term : j.terms) uses_rotation_ = uses_rotation_ || term.uses_rotation;
   }
 
+  // A free edge has the tangential stress alone: what recovery leaves of the others is error.
   double density(Index t, const Vec2& x, const Vec2& tangent) const {
     const Model& m = *a_.model;
     const Material& material = material_of(m.mesh, m.scene, t);

@@ -1,3 +1,6 @@
+// dJ/dE of a region at fixed Poisson's ratio: A = A_1/E, so that dJ/dE = d_E j - 1/E (A s, z) and +1/(2E) (A s, s) per
+// energy [theory: S.6].
+
 #include "topo/young_gradient.hpp"
 #include "solver/system.hpp"
 
