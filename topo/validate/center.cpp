@@ -1,3 +1,6 @@
+// T at the center of a ball by polynomials of degree 4 in the mean of squares over the inner half of the ball, weighted
+// by area (15 coefficients; the fit keeps the order of the element and averages its noise).
+
 #include "topo/validate/center.hpp"
 
 #include "solver/system.hpp"

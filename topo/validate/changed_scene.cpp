@@ -1,3 +1,6 @@
+// The scene with a change in it: by the caller's tables, or by the library's rule (a region, a clamp, a crack in
+// contact).
+
 #include "topo/validate/changed_scene.hpp"
 
 #include "topo/formulas/kind.hpp"

@@ -1,3 +1,5 @@
+// What small changes do to J, each alone and contact free, by condensation onto balls [theory: V.2].
+
 #include "topo/changes.hpp"
 
 #include "topo/analysis.hpp"

@@ -1,3 +1,6 @@
+// Two points to validate at: of a grid over the body those where the least part of T is the largest share (an error in
+// a part is seen by its share), with room for the radii and T not small (docs/theory/validation.md, "The verdict").
+
 #include "topo/validate/chosen.hpp"
 
 #include "solver/system.hpp"
@@ -15,6 +18,7 @@ namespace kerf {
 namespace {
 
 // How much of T its least part is; 1 is as good as a third.
+// The second factor: T that cancels to a small share of its parts is a bad place.
 double visibility(const std::vector<Mode>& modes, double T) {
   constexpr double plenty = 1. / 3;
   double least = plenty, sum = 0;

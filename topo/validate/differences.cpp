@@ -1,3 +1,12 @@
+// J of a body changed at finite radius less J, term by term, from the change w of the state [theory: V.5, V.6].
+// Energies are exact in terms of w. Of other functionals
+//   J_eps - J = int_outside (j'(z) w + [j(z + w) - j(z) - j'(z) w])
+//             + int_ring (j(z + w) - j(z)) - int_disc j(z) [+ j*(z + w)],
+// the part outside the balls by topo/validate/far_field.cpp, with the derivative exactly; in the ring of the ball the
+// difference of the densities at the points of the rule; in the disc what is lost and what a new content has. Powers of
+// an integral change by I^q expm1(q log1p(dI/I)), which keeps the digits of small dI. Derived in
+// docs/theory/validation.md, section "The difference problem".
+
 #include "topo/validate/differences.hpp"
 
 #include "topo/analysis.hpp"
@@ -36,6 +45,7 @@ struct Differences::Changed {
 namespace {
 
 // Of what fills the discs of inclusions: the same material everywhere, with the eigenstrain that it has at each ball.
+// Each ball asks for the scene of its own change, as its tables may give another eigenstrain to each place.
 Scene filling(const BallsInBody& in, const Perturbation& p, const ScenesOfChanges& drawn) {
   const Model& m = *in.a.model;
   Scene inside = m.scene;
@@ -94,6 +104,8 @@ std::vector<std::vector<Difference>> Differences::all(const std::vector<BallMesh
   return results;
 }
 
+// Skeleton and forces of contact of the change everywhere, from the columns of the far field; interiors in the ring
+// alone.
 void Differences::fill_near(const ChangedBall& of, Field& near) const {
   const Skeleton& skeleton = in_.a.model->inner->skeleton;
   const Ordering& o = bodies_[0].operators().inner->ordering;

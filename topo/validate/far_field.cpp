@@ -1,3 +1,11 @@
+// What changes in balls do outside them, for all radii of all balls at once [theory: V.6]. A column is one radius of
+// one ball: the change on the balls and on the contact rows, extended to the skeleton of the whole by one backward
+// substitution of many columns, then to the interiors triangle by triangle. Each term gets
+//   int_outside j'(z) w  exactly, by the derivative, and  j(z + w) - j(z) - j'(z) w  at the centroids of triangles,
+// which is right where w is small and smooth; within 2.5 radii of the ball the plain difference by a rule for quintics
+// takes the place of both. Sums leave out the triangles of the ball itself. docs/theory/validation.md, section "The
+// difference problem".
+
 #include "topo/validate/far_field.hpp"
 
 #include "solver/parallel.hpp"
@@ -69,6 +77,8 @@ class Outside {
   }
 
   // Row i * columns + k: change k of the domain integral of term i; a column per triangle.
+  // terms x columns numbers per triangle, summed afterwards in the order of the triangles: the same for any number of
+  // threads.
   Eigen::MatrixXd densities(const FarField& far) const {
     const Index triangles = static_cast<Index>(m_.mesh.triangles.size());
     Eigen::MatrixXd part = Eigen::MatrixXd::Zero(terms_ * count_, triangles);

@@ -1,3 +1,10 @@
+// Where the balls of a validation go: the distance of a point to all features of the shape, the radii that fit into it,
+// and batches of balls that keep apart. A radius fits if the change reaches at most 0.6 of the clear distance. The ball
+// around it is at least twice the largest change where there is room, and at most 0.88 of the clear distance (0.85 and
+// 1.7 for a ball of one change): the ring between them is meshed in shells. Distances are those to the drawn shape,
+// arcs flattened to 1e-4 of its size, not to a mesh. Rings of functionals count by their outer radius.
+// docs/theory/validation.md, section "One mesh".
+
 #include "topo/validate/sites.hpp"
 
 #include "geometry/ball.hpp"
@@ -57,6 +64,7 @@ double ball_of_one(const Site& s, double reach) {
 }
 
 std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::size_t most) {
+  // First fit, in the order of the points.
   constexpr double apart = 1.1;
   std::vector<std::vector<Site>> batches;
   for (const Site& s : sites) {

@@ -1,3 +1,6 @@
+// J of powers 2 < p < 4 of the stress on a body with a slit converges like h^(2 - p/2) at the tips; two meshes with
+// edges there as 1 to 4 give D = D_n + (D_n - D_(n/2))/(2^(4-p) - 1) [theory: V.12].
+
 #include "topo/validate/slit_limit.hpp"
 
 #include <algorithm>

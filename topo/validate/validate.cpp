@@ -1,3 +1,12 @@
+// Validation of an expansion at points: the change is made at finite radii, and differences of J are compared with area
+// times T. 1. The body is solved on the mesh of the case; points are chosen where none are given. 2. Points in batches
+// whose balls keep apart: a mesh with nested polygons of 64 sides around each, one factor, and the difference problem
+// per radius [theory: V.1, V.2]. Slits are solved twice per radius, bonded and in contact. 3. The series of radii is
+// judged [theory: V.7, V.8, V.10] and withdrawn where it has not begun [theory: V.11]. 4. What it says is compared with
+// one radius drawn into the body on another mesh, first a coarse, then a fine one [theory: V.9]. 5. "Fails" is kept
+// only where radii ten times smaller say it again. A verdict is about a point and its radii. Derived in
+// docs/theory/validation.md.
+
 #include "kerf/validate.hpp"
 
 #include "geometry/plane.hpp"
@@ -41,6 +50,7 @@ ValidationRequest checked(ValidationRequest r, double size) {
   r.radii.erase(std::unique(r.radii.begin(), r.radii.end()), r.radii.end());
   if (r.radii.empty() || !(r.radii.back() > 0))
     throw Error(Fault::Usage, "validation needs positive radii; give radii in [validate]");
+  // The order divides by the logarithm of the ratio of two radii.
   constexpr double least = 1e-6, apart = 1.05;
   if (r.radii.back() < least * size)
     throw Error(Fault::Usage, fmt::format("radius {:.3g} of the validation is too small for a mesh: use {:.2g} or more",
@@ -83,6 +93,7 @@ void no_radius_fits(const Site& s, Validation& v) {
 
 // Of what J could change by if nothing in its derivative cancelled, what its rounding is at most, many times over: a
 // crack that stays closed, say, has no opening to change.
+// Row by row of the interior: coefficients of stresses and of displacements have different units.
 double faint_change(const Analysis& a) {
   constexpr double faint = 1e-10;
   const Sensitivity& d = a.derivative;
@@ -120,6 +131,7 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
 
 class Validating {
  public:
+  // `again`: the second time, with smaller radii.
   Validating(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
              const ValidationRequest& request, bool again)
       : again_(again),

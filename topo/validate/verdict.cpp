@@ -1,3 +1,15 @@
+// The verdict of a series of radii eps_i with differences D_i = (J(eps_i) - J)/f(eps_i), f the exact area [theory: V.7,
+// V.8].
+//   D = T' + c2 eps^2 + c4 eps^4 (or c3 eps^2 ln eps),
+//   R_i = (D_i - T) f(eps_i),   order_i = ln |R_i/R_(i+1)| / ln(eps_i/eps_(i+1)).
+// The fits of three and four radii leave an interval [T'_-, T'_+] for the limit. With a = max(1e-3, 3 plateau) the
+// series agrees with T when the interval, widened by a |T|, holds T and is narrow, and one of three besides: an order
+// near 4, the two smallest radii within 3 plateaus, or four radii on one curve. It fails when T lies farther outside
+// than a |T| and half the interval. Between the two it is out of range, or nothing can be said, and the reason is told.
+// A clamped hole has no T: its prediction takes the place, and all is in multiples of it [theory: T.30]. `conclude`
+// adds what a change drawn on another mesh says [theory: V.9]; `withdraw` takes back what radii too large for the body
+// say [theory: V.11]. Derived in docs/theory/validation.md, section "The verdict".
+
 #include "topo/validate/verdict.hpp"
 
 #include "base/dense.hpp"
@@ -36,6 +48,7 @@ Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length)
              logarithm = terms == Terms::Logarithm || terms == Terms::Both;
   const Eigen::Index n = static_cast<Eigen::Index>(s.size()),
                      unknowns = 1 + (square ? 1 : 0) + (logarithm || even ? 1 : 0);
+  // Columns in units of the largest radius: without that their sizes would differ by eps^4.
   const double per = s.front().radius * s.front().radius;
   Eigen::MatrixXd a(n, unknowns);
   Eigen::VectorXd b(n);
@@ -65,6 +78,7 @@ Fit fit(std::span<const Sample> s, double length, Terms both) {
     if (s.size() >= 4) f.low_c2 = std::min(f.low_c2, c[1]), f.high_c2 = std::max(f.high_c2, c[1]);
     f.intercept = c[0], f.c2 = c[1], f.last = c[2];
   };
+  // The last fit taken is the one that is told: of four radii all of them.
   if (s.size() >= 3) take(s.last(3), both);
   if (s.size() >= 4) {
     take(s.last(4).first(3), both);
@@ -148,6 +162,7 @@ class Series {
                             v_.c2_predicted, fit_.low_c2, fit_.high_c2)};
       return {Verdict::Holds, how_it_holds() + second_in_words()};
     }
+    // Reasons before "fails": what explains a wrong limit without a wrong formula comes first.
     if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
     if (rounding_rules())
       return {Verdict::NothingSaid, "the differences of the smallest radii are rounding; use larger radii"};
@@ -225,6 +240,8 @@ class Series {
   // c2 by the formula lies outside of all that four radii leave open, by more than what the mesh leaves of it.
   double beyond_second() const {
     if (!std::isfinite(v_.c2_predicted) || !(fit_.low_c2 <= fit_.high_c2)) return 0;
+    // b of docs/theory/validation.md: 2 % of c2, three times what two meshes differ by, a third of the plateau over
+    // eps^2.
     constexpr double formula = 0.02, meshes = 3, noise = 1.0 / 3;
     const double largest = rows_[first_fitted()].radius, own = std::abs(v_.c2_predicted - v_.c2_on_mesh),
                  allowed = formula * std::abs(v_.c2_predicted) + 0.5 * (fit_.high_c2 - fit_.low_c2) +
@@ -279,6 +296,7 @@ class Series {
     return computed_ >= 4 && fit_.spread() <= 0.5 * allowed_ * std::abs(T_);
   }
 
+  // Ten times as much is allowed to the quotients themselves, which hold the c2 eps^2 of a T that vanishes.
   bool vanishes() const {
     const double nothing = std::max(10 * allowed_ * v_.size, infinitesimal);
     double largest = 0;
