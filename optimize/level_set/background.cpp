@@ -1,3 +1,12 @@
+// The canvas of a level set: a mesh of the frame with a function phi that is linear on its triangles and negative in
+// the material. Signed distances to the zero line (and to the rim with material on it) come from a front that carries
+// the nearest piece from vertex to vertex, nearest first, up to 20 edges: exact beside the boundary, where it is used,
+// and never of another sign than phi. Values along the boundary are extended by the same front, so that they are
+// constant along normals. What stays solid or void is imposed by phi = min(max(phi, hollow), frozen) with the distances
+// to both, a mirror by the mean of phi and its image. The area wanted comes by a shift, phi + c, whose derivative is
+// minus the length of the zero line: secants in a bracket. Discs are cut by max(phi, radius - |x - center|). What moves
+// on it is in docs/theory/level_set.md.
+
 #include "optimize/level_set/background.hpp"
 
 #include "geometry/plane.hpp"
@@ -14,6 +23,7 @@ constexpr double band = 20;  // edges of the mesh; farther from the boundary not
 
 /// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
 /// vertex v to source i.
+/// `distance` is infinite and `source` none beyond the reach.
 struct Carried {
   Eigen::VectorXd distance;
   std::vector<Index> source;
@@ -30,6 +40,7 @@ Carried carry(const BackgroundMesh& b, std::span<const std::pair<Index, Index>> 
       return std::tie(distance, vertex, source) > std::tie(o.distance, o.vertex, o.source);
     }
   };
+  // Ties are broken by vertex and source, so that the result does not depend on the order of the seeds.
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> front;
   // The first of each vertex that waits: no later one will be taken.
   struct First {
@@ -71,6 +82,7 @@ bool inside(const Polygon& p, const Vec2& x) {
   return odd;
 }
 
+// Negative inside.
 double to_polygon(const Polygon& p, const Vec2& x) {
   double least = infinity;
   for (std::size_t i = 0; i < p.points.size(); ++i)
@@ -78,6 +90,8 @@ double to_polygon(const Polygon& p, const Vec2& x) {
   return inside(p, x) ? -least : least;
 }
 
+// The union of loops with their margins, of strips along labels and of discs: the least of the distances. Empty:
+// nothing stays solid.
 Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double chord) {
   if (solid.loops.empty() && solid.labels.empty() && solid.discs.empty()) return {};
   Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), infinity);
@@ -136,6 +150,7 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
     b.around[static_cast<std::size_t>(next[static_cast<std::size_t>(w)]++)] = v;
     lengths += length(b.mesh, e);
   }
+  // Mean length of the edges.
   b.size = lengths / static_cast<double>(b.mesh.edges.size());
   b.frozen = distance_to_solid(b.mesh, solid, 0.01 * b.size);
   b.locator = make_locator(b.mesh);
@@ -155,6 +170,7 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
       // A point next to the boundary may have its image a rounding outside.
       BackgroundMesh::Image image{nearest_triangle(b.mesh, b.locator, y)};
       image.weight = barycentric(b.mesh, image.triangle, y);
+      // Farther outside the mirror shows no body.
       if (image.weight.minCoeff() < -1e-3) image.triangle = none;
       b.image.push_back(image);
     }
@@ -206,6 +222,7 @@ Eigen::VectorXd spread_onto(const BackgroundMesh& b, std::span<const Vec2> point
 }
 
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi) {
+  // Images are read from a copy: they must not be means already.
   if (!b.image.empty()) {
     const Eigen::VectorXd given = phi;
     for (Eigen::Index v = 0; v < phi.size(); ++v) {
@@ -239,6 +256,7 @@ Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, d
       const double secant = at - excess * (at - before) / (excess - excess_before);
       if (secant > low && secant < high) next = secant;
     } else if (i == 0) {
+      // The first secant needs two points: a tenth of an edge towards the area.
       const double guess = at + std::copysign(0.1 * b.size, excess);
       if (guess > low && guess < high) next = guess;
     }

@@ -1,3 +1,13 @@
+// One design of a level set on its way down. A step is 1. the rates of J and of the bounds along the boundary, prices
+// and speed from them (speed.cpp) [theory: L.1, L.2], or for the fixed point a turn of phi towards lambda - T
+// (fixed_point.cpp) [theory: L.5]; 2. the motion phi - v on the canvas, holes where T pays (nucleate.cpp) [theory:
+// L.6], what must stay solid or mirrored, idle pieces dropped, the area shifted to the one allowed; 3. the design
+// drawn, meshed and solved; it is taken unless the merit J + p |Omega| + sum nu_k max(c_k, 0) [theory: L.7] rises by
+// more than redrawing changes. The radius follows the actual change over the predicted one [theory: L.12]. The allowed
+// area falls by 3 % of the frame per step to the one wanted; until then rises of J are followed. At the end holes are
+// tried once more: eight steps later the merit has to be lower, or the design before comes back. All that a step leaves
+// to the next is in DescentState (progress.hpp), so that a checkpoint goes on bit for bit. docs/theory/level_set.md.
+
 #include "optimize/level_set/descent.hpp"
 
 #include "kerf/map.hpp"
@@ -57,6 +67,7 @@ Eigen::VectorXd from_nothing(const Ground& g, Eigen::VectorXd phi) {
 
 /// Share of every bound that a descent may use: a polygon that is drawn anew in each step has peaks of stress at its
 /// vertices which no step can foretell. Bounds of stresses are for the curves, whose derivatives are exact.
+/// A share of infinity leaves a bound out of the descent.
 std::vector<double> left_to_curves(const Ground& g) {
   std::vector<double> share(g.r.bounds.size(), 1);
   if (g.weak() || g.turns()) return share;
@@ -123,6 +134,7 @@ void Descent::begin(const Eigen::VectorXd& start) {
   if (!g_.turns()) keep_if_best();  // the fixed point leaves its start, whatever that costs
 }
 
+// The area is the one wanted: from then on designs are compared and kept.
 bool Descent::settled() const {
   return !g_.limited || s_.allowed <= g_.target;
 }
@@ -143,7 +155,7 @@ Eigen::VectorXd Descent::relative(const Eigen::VectorXd& bounds) const {
   return c;
 }
 
-/// J + price of area + weighted violations of the bounds [theory: L.12].
+/// J + price of area + weighted violations of the bounds [theory: L.7].
 double Descent::value(double J, double area, const Eigen::VectorXd& bounds) const {
   double sum = J + g_.r.volume_penalty * area;
   if (bounds.size() > 0) sum += s_.weight.dot(relative(bounds).cwiseMax(0));
@@ -176,6 +188,7 @@ double Descent::noise() const {
 }
 
 /// Those that weigh in the merit near their limits, with what they weigh.
+/// `harder` is taken off again: weights are 1.5 times the multipliers.
 std::vector<WeightedAnalysis> Descent::binding_bounds() const {
   std::vector<WeightedAnalysis> all;
   const Eigen::VectorXd c = relative(vector_of(design_->bounds));
@@ -213,6 +226,8 @@ Eigen::VectorXd Descent::derivative() const {
   return T;
 }
 
+// Every load case within a tenth of the worst of a bound has a rate of its own: the step may make another one the
+// worst.
 const Descent::Rates& Descent::rates() const {
   constexpr double far = 0.1;  // below the worst load case: does not count
   if (rates_) return *rates_;
@@ -230,6 +245,8 @@ const Descent::Rates& Descent::rates() const {
   return *rates_;
 }
 
+// A violated bound is to fall by at most 5 % per step. More is asked for where predicted falls came true in part only
+// (faith).
 StepLimits Descent::limits(double radius, double allowed) const {
   const LevelSetRequest& how = g_.r.level_set;
   StepLimits l{.radius = radius,
@@ -263,6 +280,7 @@ double Descent::residual() const {
   return shape_residual(of, limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity));
 }
 
+// Without any boundary to move no price is known, and the lower third of T stands in for it.
 void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
   const LevelSetRequest& how = g_.r.level_set;
   const bool enclosed = rates_->objective.curve.edges.empty();
@@ -323,6 +341,7 @@ void Descent::turn(Tried& t) const {
   if (g_.limited) t.phi = with_area(g_.background, t.phi, t.allowed);
 }
 
+// The allowed area falls by less where the step is smaller.
 Descent::Tried Descent::attempt() {
   Tried t;
   const double less = g_.turns() ? s_.turn / largest_turn : s_.radius / (largest_step_radius * g_.size);
@@ -351,6 +370,7 @@ Descent::Tried Descent::attempt() {
 }
 
 /// Weights of violations follow the multipliers.
+/// A weight follows its multiplier up at once and down by a tenth per step, so that the merit does not change its mind.
 void Descent::judge(Tried& t) {
   if (!rates_) return;
   Eigen::VectorXd now = Eigen::VectorXd::Zero(s_.weight.size());
@@ -425,12 +445,14 @@ void Descent::take(Tried& t) {
   if (g_.turns()) s_.psi = t.psi;
   s_.drawn = std::move(t.drawing.notes);
   s_.allowed = t.allowed;
+  // Steps that still gain 1 % do not use up the time in which holes appear.
   if (settled() && !(s_.explore && after < before - stride * std::abs(before))) ++s_.settled;
   show(std::move(t.drawing.design), std::move(notes));
   keep_if_best();
 }
 
 /// By what came of what was predicted, where that is more than noise.
+/// While the area falls, or with new holes, the prediction is of another design.
 void Descent::adapt_radius(const Tried& t, double before, double after) {
   constexpr double more = 1.4, less = 0.6, good = 0.6, bad = 0.1;
   double factor = 1;
@@ -458,6 +480,7 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
   s_.turn = std::min(factor * s_.turn, largest_turn);
 }
 
+// A design that keeps its bounds beats every one that does not.
 void Descent::keep_if_best() {
   if (!settled()) return;
   const double now = merit(), before = value(s_.best);
@@ -505,6 +528,8 @@ void Descent::go_back(const KeptDesign& to, const std::string& why) {
   show(&to == &s_.anchor ? anchored_ : best_, {fmt::format("back to iteration {}: {}", to.iteration, why)});
 }
 
+// Three reasons: the shape residual is small, the best merit stands still over a window of steps, the radius is too
+// small.
 std::string Descent::reason_to_end() const {
   if (!settled() || s_.best.phi.size() == 0 || appearing()) return {};
   const std::size_t n = s_.track.size();

@@ -1,3 +1,10 @@
+// What is said of a level set's design at the end, and whether its curves or the carved design are the result.
+// "Optimal" needs a small shape residual [theory: L.10, K.3], on the mesh of the curves and on a finer one, and no
+// small hole or bump that pays [theory: L.11, L.13]. Curves are better where they keep the constraints as the carved
+// design does and J with the price of area is no worse than meshes differ by; where bounds count, they keep room for
+// what a finer mesh says more. With a weak phase the strong phase is drawn alone and solved as a body; nothing is
+// proved of it. docs/theory/level_set.md, section "Optimality".
+
 #include "optimize/level_set/end.hpp"
 
 #include "optimize/level_set/certificate.hpp"

@@ -1,3 +1,9 @@
+// The last part of a level-set run: the carved design as arcs, moved to an optimum of first order (optimize/curves).
+// Bounds are tightened first by what a finer mesh says more of the fitted curves than their own, for stresses by half
+// as much again and 0.2 %, so that the result keeps its bounds where it is judged. Rows of the curves are kept in the
+// checkpoint bit for bit, and an interrupted run replays them instead of solving anew. Curves that cannot be fitted or
+// solved leave the carved design, with a note. docs/theory/curves.md has the curves themselves.
+
 #include "optimize/level_set/finishing.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -38,6 +44,7 @@ OptimizeRequest with_room(const Ground& g, const Problem& p, const Carved& carve
 
 }  // namespace
 
+// Numbers of a row, then its vectors with their lengths, in the order of read_curves; texts by line.
 void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
   std::vector<double> all;
   std::string texts;

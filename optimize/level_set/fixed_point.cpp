@@ -1,3 +1,6 @@
+// The topological derivative as a level set: psi turns on the unit sphere of L2 towards lambda - T by a share of the
+// angle between them, T carried into the void by a Helmholtz filter [Amstutz, Andrae 2006; theory: L.5].
+
 #include "optimize/level_set/fixed_point.hpp"
 
 #include <algorithm>

@@ -1,3 +1,10 @@
+// A level-set run from the start to the result: the best of some starts (starts.cpp), the descent (descent.cpp), its
+// design as curves (finishing.cpp), the curves on the mesh that kerf solve would make, and what is said of it
+// (end.cpp). After every iteration the state of the descent and the rows of the curves go to the checkpoint. A run that
+// resumes draws and solves the design of its last row again and refuses a checkpoint whose numbers differ by more than
+// 1e-6, which is what another machine may change. Curves are replayed from their rows. docs/theory/level_set.md and
+// docs/theory/curves.md.
+
 #include "optimize/checkpoint_reader.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/end.hpp"
@@ -65,6 +72,7 @@ bool LevelSetRun::show_new() {
 }
 
 /// Whether to go on after them.
+/// Rows known from a checkpoint come through `see` as well, and are not kept twice.
 bool LevelSetRun::make_curves(FinishedCurves& finished) {
   const std::vector<CurvesRow> known = curves_;
   const DescentState& s = descent_->progress();

@@ -1,3 +1,11 @@
+// Where holes lower J + lambda |Omega|, how large they are cut, and what was drawn of them [theory: L.6, L.14].
+// Triangles in the order of T, the least first, as long as T is below the price and area is left: at each a disc of the
+// radius r^2 = (lambda - T)/(2 c2) that gains most, but at most a third of the room to the boundary, to what is frozen
+// and to the other discs. Fifty places that do not pay end the search. Where the design has a mirror a disc and its
+// image come together, or one disc on the axis where both would meet. What a design has of a disc afterwards is neither
+// its radius nor its place: `drawn_holes` tells the hole around its center, unless it has grown into a larger one.
+// docs/theory/level_set.md, section "Nucleation".
+
 #include "optimize/level_set/nucleate.hpp"
 
 #include "geometry/plane.hpp"
@@ -59,6 +67,8 @@ class Places {
 
  private:
   /// A third of the room to the boundary, supports and loads included, to what is frozen and to other discs.
+  /// The distances on the canvas settle most points; edges of the mesh are asked for the rest, supports and loads
+  /// included.
   double largest(const Vec2& x) const {
     double room = -value_at(background_, distance_, x);
     if (background_.frozen.size() > 0) room = std::min(room, value_at(background_, background_.frozen, x));
@@ -101,6 +111,7 @@ struct DrawnLoop {
   Vec2 centroid = Vec2::Zero();
 };
 
+// Area and centroid by Green's formula about a point of the loop, whichever way it runs.
 DrawnLoop drawn(const Loop& loop) {
   const double size = extent({.outline = loop});
   DrawnLoop d{.points = flatten(loop, 1e-3 * size, size).points};

@@ -1,3 +1,6 @@
+// Connected parts of the material of a level set, by a walk over neighboring vertices; parts that bear nothing become
+// void.
+
 #include "optimize/level_set/parts.hpp"
 
 #include <algorithm>
@@ -47,6 +50,7 @@ void empty_parts(const BackgroundMesh& b, const MaterialParts& parts, const std:
   for (std::size_t v = 0; v < parts.of.size(); ++v)
     if (parts.of[v] != none && gone[static_cast<std::size_t>(parts.of[v])]) {
       double& value = phi[static_cast<Eigen::Index>(v)];
+      // At least a tenth of an edge away from the zero line.
       value = std::max(-value, 0.1 * b.size);
     }
 }

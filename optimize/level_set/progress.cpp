@@ -1,3 +1,9 @@
+// The state of a descent in a checkpoint, bit for bit: vectors by name, scalars as one vector in a fixed order, texts
+// by line. `check_state` refuses a state that no descent of this canvas keeps (sizes of the functions and bounds,
+// ranges of radius, turn, weights and faith, rows in order, a next step that has what it needs), so that a damaged file
+// ends as such and not in a wrong design. A new member of DescentState is added to `scalars` or `vectors` here, and to
+// check_state.
+
 #include "optimize/level_set/progress.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -22,6 +28,7 @@ constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> desi
     {{"best", &DescentState::best}, {"anchor", &DescentState::anchor}}};
 
 template <typename State>
+// The order is that of the file.
 auto scalars(State& s) {
   return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled, s.next,
                   s.explore, s.residual);

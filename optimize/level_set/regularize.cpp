@@ -1,3 +1,12 @@
+// Products in which derivatives become velocities [Burger 2003; Schulz, Siebenborn 2016; theory: L.4]:
+//   int v phi + r^2 v' phi' ds = int v0 phi ds                  along the boundary, linear elements per edge
+//   (v, phi) + r^2 (grad v, grad phi)                           on the canvas
+//   (v, phi) + r^2 (eps(v), eps(phi))                           of vector fields on the canvas
+// Each matrix is sparse, symmetric and positive definite, and factorized once (that of the boundary per step). The
+// elastic product extends a normal speed v as a field loaded by v n along the boundary; its component along the
+// gradient of the distance moves phi, scaled so that it is as fast as v where v is largest. docs/theory/level_set.md,
+// section "Smoothing".
+
 #include "optimize/level_set/regularize.hpp"
 
 #include <Eigen/SparseCholesky>
@@ -59,6 +68,7 @@ Eigen::VectorXd smooth_along(const EdgeCurve& curve, const Eigen::VectorXd& leng
   for (std::size_t e = 0; e < curve.edges.size(); ++e) {
     const auto& [i, k] = curve.edges[e];
     const double h = length[static_cast<Eigen::Index>(e)], half = 0.5 * h * value[static_cast<Eigen::Index>(e)];
+    // Mass h/3, h/6 and stiffness r^2/h of a linear element; the load is lumped to both ends.
     const double stiff = r * r / h;
     entries.emplace_back(i, i, stiff + h / 3);
     entries.emplace_back(k, k, stiff + h / 3);

@@ -1,3 +1,6 @@
+// What of a design stays solid: frozen loops, other materials, strips along loads and measurements, rings of
+// functionals.
+
 #include "optimize/level_set/solid.hpp"
 
 #include "optimize/loop/evaluate.hpp"

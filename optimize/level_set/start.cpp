@@ -1,3 +1,5 @@
+// Discs of a start: columns of rows, every second one shifted by half a row, and random ones from the bits of mt19937.
+
 #include "optimize/level_set/start.hpp"
 
 #include <random>

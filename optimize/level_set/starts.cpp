@@ -1,3 +1,10 @@
+// What a level set begins with: the best of coarse densities and of the start that the case gives. Each candidate
+// descends a few steps (60 from a full body, in which holes have to appear first) on a mesh 1.5 times as coarse,
+// without trials; the one that can be drawn, keeps its bounds and has the least merit is gone on from. A density
+// becomes phi = 0.5 - rho on the canvas, shifted to its own area or, where that is about the one wanted, to that.
+// Candidates are ranked in parallel, and chosen in their order: the result does not depend on the number of threads.
+// docs/theory/density.md, section "Black and white".
+
 #include "optimize/level_set/starts.hpp"
 
 #include "geometry/plane.hpp"

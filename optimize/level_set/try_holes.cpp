@@ -1,3 +1,6 @@
+// What nucleated holes do to J, each made alone in the design before by condensation onto a ball, against what T and c2
+// promise [theory: L.14, V.2].
+
 #include "optimize/level_set/try_holes.hpp"
 
 #include "topo/changes.hpp"
