@@ -1,3 +1,13 @@
+// The boundary of a body of curves in samples: how normal moves weigh, a first guess of the second derivative, and the
+// clearances that a step keeps. Normal moves are taken at three Gauss points per arc; M_ij = int phi_i phi_j ds is the
+// product in which the shape residual is measured [theory: K.3]. The guess of the second derivative over the price of
+// area is
+//   int 4 v |d/ds| v + (6/w) v^2 ds,   |d/ds| the square root of -d^2/ds^2 on each chain, w the width of the body,
+// by the pairs K x = lambda M x: M X sqrt(lambda) X' M [theory: K.4]. Clearances are linear rows, row . step <= room:
+// widths of members and gaps along the way between facing samples, distances to what stays solid, regions, cracks and
+// the frame, ends on their rails, the turn of the tightest arcs. A distance below its limit may not shrink; what lies
+// outside the frame must come back. docs/theory/curves.md, sections "Variables and the shape residual" and "Steps".
+
 #include "optimize/curves/boundary.hpp"
 
 #include "base/dense.hpp"
@@ -37,6 +47,7 @@ struct Samples {
   std::vector<double> length;  // of the loops
 };
 
+// Samples lie in the middles of equal parts of each arc.
 void add_chain(const DesignCurves& d, Index c, Index loop, double step, double& s, Samples& out) {
   const ArcChain& chain = d.chains[std::size_t(c)];
   for (std::size_t arc = 0; arc < 2 * segment_count(chain); ++arc) {
@@ -89,6 +100,7 @@ Samples samples_of(const DesignCurves& d, double step) {
   return out;
 }
 
+// The shorter way around the loop.
 double along(const Samples& samples, const Sample& a, const Sample& b) {
   if (a.loop != b.loop) return infinity;
   const double there = std::abs(a.s - b.s);
@@ -118,6 +130,8 @@ class Cells {
           const Vec2 way = b.at - a.at;
           const double d = way.norm();
           if (!(d < least) || j == i) continue;
+          // Both normals face the way across, within 60 degrees; and what is near along the boundary itself is no other
+          // side.
           if (side * way.dot(a.left) < facing * d || side * way.dot(b.left) > -facing * d) continue;
           if (along(samples_, a, b) < neighborhood * d) continue;
           least = d;
@@ -144,6 +158,7 @@ VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& directio
   return row;
 }
 
+// A pair that sees each other gives one row.
 void add_widths(const DesignCurves& d, const Samples& samples, const Clearances& how, LinearRows& rows) {
   const double within = how.least + how.reach;
   const Cells cells(samples, within);
@@ -236,6 +251,7 @@ struct NearCorner {
   Vec2 way;     // to the corner
   bool beyond;  // the corner is in the body
 };
+// Between two samples a corner of the frame may come into the body; samples a twentieth of the mesh size apart see it.
 std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, double size, double within) {
   constexpr double fine = 0.05;
   std::vector<NearCorner> near;
@@ -262,6 +278,7 @@ std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, 
 /// Stays inside, or comes back.
 void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, LinearRows& rows) {
   const double least = 0.05 * how.size, reach = how.reach;
+  // Inside: the move towards the frame leaves `least`. Outside: the move along the way back is the whole way and a bit.
   const auto keep = [&](const Sample& s, const Vec2& way, bool in) {
     const double nearest = way.norm();
     if (in)
@@ -301,6 +318,7 @@ void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame
   keep_off(d, samples, other, 0.5 * how.size, how.reach, rows);
 }
 
+// The variable of a sliding end is a length: coordinate differences times |dx/dcoordinate|.
 void add_rails(const DesignCurves& d, LinearRows& rows) {
   const auto coordinate = [&](const KnotRef& ref, double& unit) {
     const KnotHold& hold = d.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
@@ -358,6 +376,8 @@ void add_lengths(const DesignCurves& d, LinearRows& rows) {
 }
 
 /// Chains leave what they end on into the frame.
+/// The sine of the angle between the chain and the side must stay above 0.05: a chain that leaves along the frame has
+/// no room for a mesh. Holes run the other way round.
 void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearRows& rows) {
   constexpr double least = 0.05;  // sine of the angle to the frame
   std::vector<Line> lines;
@@ -390,6 +410,7 @@ void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearR
 }
 
 /// Arcs no tighter than the least radius, those that are by a fifth less tight.
+/// Linear in the curvature; only arcs that could become too tight by doubling theirs have a row.
 void add_radii(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
   for (std::size_t c = 0; c < d.chains.size(); ++c)
     for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc) {
@@ -452,6 +473,7 @@ MatrixXd mass(const NormalMoves& m, const DesignCurves& d) {
   return M;
 }
 
+// The width is that of the nearest sample, at least half a mesh size and at most ten.
 MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double size) {
   const Samples samples = samples_of(d, 0.75 * size);
   const Eigen::Index n = d.variables;

@@ -1,3 +1,10 @@
+// A mesh that follows curves. Vertices on chains and on sides of the frame next to sliding ends keep their share of
+// their arc or side [theory: K.2], and the others are carried along by the harmonic extension of their motion [theory:
+// S.7]. So J is a smooth function of the variables, and its derivative by them is that by the vertices (S.3), gathered
+// onto the boundary by the transposed extension and pulled back through the arcs. A motion that makes angles too small
+// or stretches edges too far gives no mesh: the curves then need one of their own. docs/theory/curves.md, "Variables
+// and the shape residual", and docs/theory/shape_gradient.md, "Carrying a motion into the mesh".
+
 #include "optimize/curves/curve_mesh.hpp"
 
 #include "geometry/plane.hpp"
@@ -27,6 +34,7 @@ bool slides(const DesignCurves& d, const KnotRef& ref) {
 }
 
 /// Every vertex on a side next to a chain whose end slides.
+/// On an arc the share is that of the angle.
 void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh, std::vector<bool>& taken,
                         std::vector<CurveFollower>& all) {
   const double near = 1e-9 * extent(shape);
@@ -126,6 +134,8 @@ Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Point
          {std::tuple{ends.before, 1 - f.part, ends.side.start}, std::tuple{ends.after, f.part, ends.end}}) {
       if (!slides(d, ref)) continue;
       const Rail& rail = d.rails[std::size_t(hold(d, ref).rail)];
+      // A vertex at share f of a side moves with both ends: 1 - f of the one and f of the other, each in the coordinate
+      // of its rail.
       const double unit = rail.velocity(rail.at(x)).norm();
       const Vec2 here = rail.velocity(rail.at(on(ends, f.part)));
       sum[hold(d, ref).offset] += share * here.dot(pull) / unit;

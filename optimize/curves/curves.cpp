@@ -1,3 +1,14 @@
+// Curves moved to an optimum of first order: J + p |Omega| over the knots of the chains under bounds, an area and
+// clearances. Each step minimizes a quadratic model of the Lagrangian under linear constraints (quadratic.cpp), within
+// a radius of normal moves that follows the actual change over the predicted one. The second derivative begins with
+// what is known of elastic bodies [theory: K.4] and learns by damped BFGS [Powell 1978]. Violated constraints are asked
+// for as far as the radius reaches [theory: K.5]. The area of arcs is known exactly, and what it bends by is taken from
+// its room. A run ends where the shape residual [theory: K.3] on a mesh of its own is small, or where J stands still. A
+// point is evaluated on the mesh of the point before, moved; where that suffers on one made where the step begins, so
+// that both ends of a step share a mesh and its error. Rows of all evaluations are kept, from which an interrupted run
+// replays to the bit. At the end the curves are judged on a finer mesh. Where a bound is violated there, it is
+// tightened and steps go on, twice at most. docs/theory/curves.md.
+
 #include "optimize/curves.hpp"
 
 #include "base/dense.hpp"
@@ -76,6 +87,7 @@ double unit_of(double at_most) {
   return at_most != 0 ? std::abs(at_most) : 1;
 }
 
+// An arc that turns by nearly half a circle has no place between its knots any more.
 bool is_shape(const DesignCurves& d) {
   return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
          !find_problem(shape_of(d));
@@ -214,6 +226,7 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
   x.solved = std::move(e);
 }
 
+// `gradients` are the columns by_J, by_bound.
 void CurvesRun::recall(const CurvesRow& row, Point& x) const {
   x.fresh = row.fresh;
   x.rebased = row.rebased;
@@ -325,6 +338,9 @@ Linearized CurvesRun::linearized(const Point& x) const {
 }
 
 /// The shape residual and the price of area: the best multipliers of what is active [theory: K.3].
+/// min over mu >= 0 of |grad J + sum mu grad c| in M^-1 is the quadratic program with room 0 on the active rows: its
+/// step is minus the projected gradient. Active is what lies within small slacks of its limit. Below 5 % of J per area
+/// a price is no scale.
 void CurvesRun::weigh(Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
   const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
@@ -343,6 +359,7 @@ void CurvesRun::weigh(Point& x) const {
   x.residual = VectorXd(M.matrixL().transpose() * s.step).norm() / std::sqrt(moves.length) / unit;
 }
 
+// An exact penalty with 1.5 times the largest multiplier that each constraint has had [theory: L.7].
 double CurvesRun::merit(const Point& x) const {
   double value = x.J + r_.volume_penalty * x.area;
   if (bounded_ && dearest_.size() > 0) value += 1.5 * dearest_[0] * std::max(0.0, x.area - most_);
@@ -355,6 +372,7 @@ double CurvesRun::merit(const Point& x) const {
 double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   double fall = -gradient(x).dot(step) - 0.5 * step.dot(B_ * step);
   if (bounded_) {
+    // The model has the second derivative of the Lagrangian, so that what the area bends by is taken out of it again.
     const double there = area_of(moved(x.curves, step), nullptr);
     fall += multiplier_[0] * (there - x.area - x.by_area.dot(step));
     fall += 1.5 * dearest_[0] * (std::max(0.0, x.area - most_) - std::max(0.0, there - most_));
@@ -385,6 +403,7 @@ void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) 
     y += multiplier_[first_bound() + k] * (to.by_bound.col(k) - from.by_bound.col(k));
   const VectorXd Bs = B_ * step;
   const double sBs = step.dot(Bs), sy = step.dot(y);
+  // r = part y + (1 - part) B s has s.r >= 0.2 s.B s, so that B stays definite.
   const double part = sy >= 0.2 * sBs ? 1 : 0.8 * sBs / (sBs - sy);
   const VectorXd r = part * y + (1 - part) * Bs;
   B_ += r * r.transpose() / step.dot(r) - Bs * Bs.transpose() / sBs;
@@ -402,6 +421,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
     most.radius.push_back(part * radius);
     most.turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
   }
+  // Rows before `front` are area and bounds, those behind it the geometry.
   const Eigen::Index front = dearest_.size();
   make_reachable(all.room, front, [&](const VectorXd& rooms) {
     const VectorXd back = quadratic_step(H, VectorXd::Zero(g.size()), all.A.bottomRows(rooms.size()), rooms).step;
@@ -410,6 +430,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   Linearized l{all.A.topRows(front), all.room.head(front)};
   std::vector<bool> used(std::size_t(all.room.size()), false);
   QuadraticStep s = quadratic_step(H, g, l.A, l.room);
+  // The area is corrected three times at most.
   int bends = 0;
   for (int round = 0; round < most_rounds; ++round) {
     LinearRows beyond = too_far(x.curves, moves, s.step, most);
@@ -516,6 +537,7 @@ bool CurvesRun::iterate() {
     const DesignCurves next = moved(x_.curves, step);
     std::string failure;
     std::optional<Point> y = evaluate(next, x_.base, failure);
+    // Meshes of different bases differ by up to 1e-3 of J: a smaller rise is no reason to refuse.
     const double noise = y && y->base != x_.base ? mesh_noise * std::abs(x_.J) : 0;
     const double fell = y ? merit(x_) - merit(*y) : -infinity, ratio = fell / fall;
     const bool good = y && fell > 0.05 * fall - noise;
@@ -660,6 +682,7 @@ void CurvesRun::settle() {
 
 /// Where the finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
+/// Values and derivatives of the bounds are rescaled to their new limits without solving anew.
 bool CurvesRun::leave_room() {
   if (!out_.finer || rooms_ == most_rooms || evaluations_ >= how_.evaluations) return false;
   std::vector<double> now;

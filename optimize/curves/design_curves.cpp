@@ -1,3 +1,12 @@
+// A body whose design sides are chains of arcs [Bolton 1975; theory: K.1, K.2], and the variables that move them. The
+// builder traces every run of design sides of the carved polygon, pins it where cracks end, and fits a chain. A knot
+// has an angle and a move along its normal; an end slides along the side of the frame it lies on (a rail: a line, or an
+// arc with its parameter), or stays where the side bears loads, a crack ends or the frame has a corner. Ends on one
+// rail keep a distance. Derivatives by x, y and angle of the two knots of a segment become those by variables in
+// `add_by_segment`. The area is exact, as is its derivative -int left . dx ds along the arcs, by five Gauss points
+// each. Knots that have come close together or far apart are placed anew at the spacing they began with.
+// docs/theory/curves.md, sections "Arcs" and "Variables and the shape residual".
+
 #include "optimize/curves/design_curves.hpp"
 
 #include "geometry/plane.hpp"
@@ -34,6 +43,7 @@ struct FrameSide {
   double lower, upper;
   std::array<std::size_t, 2> number;  // loop, side
 };
+// An arc that is a whole ellipse has no ends: its coordinate is not bounded.
 std::optional<FrameSide> side_with(const Shape& frame, const Side& side, const Vec2& a, const Vec2& b) {
   const double near = same * extent(frame);
   for (std::size_t l = 0; l <= frame.holes.size(); ++l) {
@@ -118,6 +128,7 @@ Knot knot_at(const ArcChain& chain, const std::vector<double>& lengths, double s
 /// Knots first to last of a chain at the spacing they had, the two where they are; of a closed one `last` may lie
 /// beyond the number of knots.
 void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t first, std::size_t last) {
+  // Only segments that are out of proportion by more than 2.5 times: every change costs a new mesh.
   constexpr double close = 0.4, far = 2.5;
   const std::size_t n = segment_count(chain), knots = chain.knots.size();
   const std::vector<double> lengths = segment_lengths(chain);
@@ -184,6 +195,7 @@ class Builder {
     }
   }
 
+  // Pieces begin at the first design side after another one; a loop of design sides only is a closed chain.
   void add_loop(const Loop& loop) {
     const std::size_t n = loop.sides.size();
     const auto design = [&](std::size_t i) { return loop.sides[i % n].label == d_.label && !loop.sides[i % n].arc; };
@@ -283,6 +295,7 @@ class Builder {
   };
 
   /// Ends that share a rail stay apart and on it.
+  /// A gap that is smaller than asked for already may stay as it is.
   void limit_rails() {
     for (std::size_t r = 0; r < d_.rails.size(); ++r) {
       std::vector<OnRail> all;
@@ -366,6 +379,7 @@ constexpr std::array<std::array<double, 2>, 5> five_points{{{0.04691007703066800
 
 }  // namespace
 
+// Of the parameters of an arc the one nearest to its middle.
 double Rail::at(const Vec2& x) const {
   if (!arc) return along.dot(x - from);
   const double t = parameter(*arc, x), middle = (arc->from + arc->to) / 2;
@@ -501,6 +515,7 @@ double area_of(const DesignCurves& d, VectorXd* by) {
   return area(shape_of(d));
 }
 
+// Newton's method: a common normal move changes the area by about its length.
 bool offset_to_area(DesignCurves& d, double wanted) {
   VectorXd all = VectorXd::Zero(d.variables), by;
   for (const auto& holds : d.holds)

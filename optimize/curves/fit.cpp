@@ -1,3 +1,6 @@
+// A carved design as curves of the same area: chains within 0.2 of the mesh size, with knots at least three apart, and
+// closer in up to three more attempts where what is drawn is no shape.
+
 #include "optimize/curves/fit.hpp"
 
 #include "geometry/plane.hpp"

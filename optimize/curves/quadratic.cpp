@@ -1,3 +1,6 @@
+// min 1/2 d.H d + g.d under A d <= b by its dual, min 1/2 m.S m - r.m over m >= 0 with S = A H^-1 A', r = -A H^-1 g -
+// b, and d = -H^-1 (g + A'm) [Lawson, Hanson 1974].
+
 #include "optimize/curves/quadratic.hpp"
 
 #include "base/dense.hpp"
@@ -27,6 +30,7 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
     if (enter < 0) break;
     passive.push_back(enter);
     in[std::size_t(enter)] = true;
+    // On the way from m to the unconstrained minimum of the passive set the first that becomes 0 leaves it.
     while (!passive.empty()) {
       const VectorXd z = solve_symmetric(S(passive, passive), r(passive));
       if (z.minCoeff() > 0) {
@@ -66,6 +70,7 @@ QuadraticStep quadratic_step(const Eigen::LLT<MatrixXd>& H, const VectorXd& g, c
   const MatrixXd half = solve_lower(H, A.transpose());
   const VectorXd size = half.colwise().norm().transpose().cwiseMax(1e-300);
   MatrixXd S = size.cwiseInverse().asDiagonal() * transposed_multiply(half, half) * size.cwiseInverse().asDiagonal();
+  // Contradicting rows have a singular S and multipliers without a bound; 1e-9 of each row's own size bounds them.
   S.diagonal().array() += 1e-9;
   const VectorXd m = nonnegative(S, (multiply(A, free) - b).cwiseQuotient(size)).cwiseQuotient(size);
   return {free - solve(H, transposed_multiply(A, m)), m};

@@ -1,3 +1,6 @@
+// How far a step may take the curves: normal moves within a radius per chain, turns of knots and slides along rails,
+// and how much of a violation may be asked for so that there is such a step [Conn, Gould, Toint 2000; theory: K.5].
+
 #include "optimize/curves/step_limits.hpp"
 
 #include <algorithm>
@@ -34,6 +37,7 @@ double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd
 
 LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step, const ChainLimits& most) {
   constexpr double slack = 1 + 1e-3;
+  // Of the three points of an arc the one that moves the furthest has a row.
   constexpr Eigen::Index per_arc = 3;
   LinearRows rows;
   const VectorXd move = moves.by * step;
@@ -68,6 +72,7 @@ void make_reachable(VectorXd& room, Eigen::Index front, const std::function<doub
     for (double& r : some)
       if (r < 0) r *= part;
   };
+  // 2/5 of the radius for the geometry, then 4/5 for all.
   shorten(front, room.size() - front, ample, room.size() - front);
   shorten(0, front, 2 * ample, room.size());
 }

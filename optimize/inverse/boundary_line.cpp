@@ -1,3 +1,9 @@
+// A labeled part of the boundary as smooth curves with arc length, for hats and sensors along it [theory: I.1]. Each
+// loop is flattened to 1e-5 of the body and walked once from the first piece of the label that begins a curve. Curves
+// end where the label ends or the boundary turns by more than 20 degrees; ends where two curves of the label meet share
+// the number of a joint, so that functions along the label are continuous there. A loop that is smooth and labeled all
+// around is one closed curve with one joint. docs/theory/inverse.md.
+
 #include "optimize/inverse/boundary_line.hpp"
 
 #include "geometry/plane.hpp"

@@ -1,3 +1,9 @@
+// How many defects the readings tell of. Each number k is guessed, fitted by least squares and weighed by
+//   B_k = N ln(chi^2_k/N) + p_k ln N,   or chi^2_k/s^2 + p_k ln N where the noise s is known
+// [Schwarz 1978; theory: I.7]. One more defect must lower B by 6, which is strong evidence [Kass, Raftery 1995]. A fit
+// in which the size of a defect is less than twice its deviation, or the least that its box allows, is a phantom and
+// refused. Two numbers in a row that bring nothing end the search. Derived in docs/theory/inverse.md, "How many".
+
 #include "kerf/inverse.hpp"
 #include "optimize/inverse/sensors.hpp"
 #include "optimize/parametric/followers.hpp"
@@ -46,6 +52,8 @@ double criterion(const LeastSquares& fit, int variables, double noise) {
 }
 
 /// A thing whose size the readings do not tell from nothing, or want smaller than its box allows.
+/// The size of a crack is the distance of its ends, with the deviation by the gradient of that; of a spline its area;
+/// of the others the radius, variable 2.
 bool has_phantom(const Design& d, const LeastSquares& fit) {
   Eigen::Index first = 0;
   for (const Drawn& one : d.drawn) {
@@ -84,6 +92,7 @@ Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings&
     } else {
       OptimizeRequest r = request;
       r.design = copies(request.design, count);
+      // Every number begins with a guess of its own.
       for (Drawn& d : r.design.drawn) d.from_map = true;
       const InitialGuess guess = initial_guess(p, r.design, least_distance(p, r));
       r.design = guess.design;

@@ -1,3 +1,9 @@
+// What was found against what is true, for synthetic data: holes, regions and cracks of the design and of the true body
+// are paired within their kind, the nearest two first. A hole counts as the circle of its area and centroid, a crack by
+// its ends, whichever way it runs; a region has Young's modulus besides, from mu and c of its material [theory: N.5].
+// Errors are the distance of the centers (for a crack the larger one of its ends) and the difference of radii or
+// lengths. What is left without a partner is named and not compared. docs/theory/inverse.md has the fit itself.
+
 #include "kerf/inverse.hpp"
 
 #include <fmt/core.h>

@@ -1,3 +1,13 @@
+// A first guess of holes, cracks and inclusions from displacements on the boundary, by topological derivatives of the
+// readings.
+//   b_k = int phi_k . (u_m - u),   b_k ~ sum_i a_i T_k(x_i),   T_k = form(sigma, zeta_k) - f . p_k    [theory: I.1]
+// phi_k are hats along the label, normed so that equal independent noise stays so (whitened by the Cholesky factor of
+// their mass). Over places, kinds, angles and areas within the boxes min |b - sum_i a_i T(x_i)|^2 is sought [theory:
+// I.2]: one adjoint per reading, a dictionary of columns T(x) at candidate places and variants, each thing in turn and
+// all pairs, areas by coordinate descent, places refined between the candidates. The guess is drawn and solved for,
+// what the expansion missed is taken off b, and the fit is repeated while that explains more [theory: I.3]. Without a
+// misfit the places are the most negative of the map of the objective. Derived in docs/theory/inverse.md.
+
 #include "kerf/inverse.hpp"
 
 #include "base/dense.hpp"
@@ -42,6 +52,7 @@ Surroundings surroundings(const Mesh& mesh, const Functional& j) {
 }
 
 /// A grid over the box, where there is room.
+/// At most 41 by 41 places: the dictionary has a column for each and every variant.
 std::vector<Vec2> candidates(const Sought& s, const Mesh& mesh, const Surroundings& around, double room,
                              double spacing) {
   std::array<int, 2> intervals;
@@ -84,6 +95,7 @@ struct Hats {
            (nodes[static_cast<std::size_t>(i) + 1] == k ? s - i : 0);
   }
 };
+// About 24 pieces in all. Curves that meet share the node at their joint.
 Hats make_hats(const Shape& shape, Index label) {
   constexpr double wanted = 24;  // pieces
   Hats h{.line = boundary_line(shape, label)};
@@ -214,6 +226,7 @@ void draw_guess(const Guess& g, Drawn& d) {
 }
 
 /// No larger than there is room for.
+/// Two that come too close share the room in proportion to their sizes.
 void make_room(std::vector<Guess>& guesses, const std::vector<Sought>& sought, const Surroundings& around,
                double clear) {
   for (std::size_t i = 0; i < guesses.size(); ++i)
@@ -240,6 +253,7 @@ struct Search {
   Range range(std::size_t i) const {
     return {pi * sought[i].least * sought[i].least, pi * sought[i].most * sought[i].most};
   }
+  // A thing with a direction may be thin across: it keeps the clearance alone.
   double apart(std::size_t i, std::size_t k) const {
     return (sought[i].turns ? 0 : sought[i].least) + (sought[k].turns ? 0 : sought[k].least) + clear;
   }
@@ -262,6 +276,7 @@ struct Search {
     picks[i] = {d.place(column), d.variant(column), area, d.columns.col(column)};
   }
 
+  // Of all candidates the one that lowers |rest|^2 most; the present one stays unless another gains more than rounding.
   bool best_of(std::size_t i) {
     const Dictionary& d = *dictionary[i];
     const Eigen::VectorXd r = rest(i, i), rc = d.columns.transpose() * r;
@@ -294,6 +309,7 @@ struct Search {
       const Eigen::VectorXd products = e.columns.transpose() * d.columns.col(c);
       for (Eigen::Index f = 0; f < re.size(); ++f) {
         const double aa = d.squares[c], bb = e.squares[f], ab = products[f], det = aa * bb - ab * ab;
+        // Nearly parallel columns tell no two things apart.
         if (!(det > 1e-9 * aa * bb)) continue;
         double a = (rd[c] * bb - re[f] * ab) / det, b = (re[f] * aa - rd[c] * ab) / det;
         if (2 * (a * rd[c] + b * re[f]) - a * a * aa - b * b * bb - 2 * a * b * ab <= best) continue;
@@ -312,6 +328,7 @@ struct Search {
     return true;
   }
 
+  // Coordinate descent converges for the convex problem in the areas.
   void fit_areas() {
     for (int round = 0; round < 200; ++round)
       for (std::size_t i = 0; i < picks.size(); ++i)
@@ -320,6 +337,7 @@ struct Search {
 
   /// Between the candidates, in steps that are halved.
   void refine(double spacing) {
+    // From half the spacing of the candidates to 1/128 of it.
     double step = 0.5 * spacing, turn = pi / 48;
     for (int level = 0; level < 7; ++level, step *= 0.5, turn *= 0.5) {
       bool moved = true;
@@ -418,6 +436,7 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
       break;
     }
     const double left = (data.b - change).squaredNorm();
+    // At least 2 % must be gained: each round is a solve.
     if (!(left < 0.98 * least)) break;
     least = left;
     out.guesses = guesses;

@@ -1,3 +1,13 @@
+// Variables of a design from readings of the displacement at sensors: min chi^2 = |u_v(x_i) - m_i|^2 within boxes and
+// geometric constraints [Levenberg 1944; Marquardt 1963; theory: I.4],
+//   (J'J + mu D^2) d = -J'r,   D the lengths of the columns of J.
+// J has few columns and many rows. Difference quotients, a state each, span a space Q with r in it; adjoints of the
+// readings q_k'u give the exact components G = J'Q, so that J'J = G G' up to the square of their error and J'r = G Q'r
+// exactly [theory: I.5]: where the search ends does not depend on the quotients. States of a round are on one mesh that
+// moves with the design; rounds begin anew until one moves nothing by 1e-3 of its box. At the end s^2 = chi^2/(N - p),
+// the covariance s^2 (J'J)^-1 of variables off their bounds, and 95 % ellipses of places [Seber, Wild 1989; theory:
+// I.6]. Derived in docs/theory/inverse.md.
+
 #include "base/dense.hpp"
 #include "kerf/inverse.hpp"
 #include "optimize/inverse/sensors.hpp"
@@ -118,6 +128,7 @@ Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     if (!is_free(i)) continue;
     VectorXd y = x;
+    // Backwards at the upper bound.
     const double h = difference * (upper_[i] - lower_[i]);
     y[i] += y[i] + h <= upper_[i] ? h : -h;
     if (const std::optional<VectorXd> other = misfit(here_, y)) quotients.col(columns++) = (*other - r) / (y[i] - x[i]);
@@ -125,6 +136,7 @@ Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   quotients.col(columns++) = r;
   for (Eigen::Index k = 0; k < columns; ++k)
     if (const double size = quotients.col(k).norm(); size > 0) quotients.col(k) /= size;
+  // Columns are scaled first: the rank is of directions, not of units.
   const Eigen::ColPivHouseholderQR<MatrixXd> qr = pivoted_qr(quotients.leftCols(columns));
   const MatrixXd basis = orthonormal(qr, qr.rank());
   const auto asked = [&](const Model& m) {
@@ -172,6 +184,7 @@ VectorXd Fit::step(const Linearized& l, const VectorXd& x, double damping) const
       A.col(k).head(l.p.size()) = l.G.row(free[static_cast<std::size_t>(k)]) / size[free[static_cast<std::size_t>(k)]];
       A(l.p.size() + k, k) = std::sqrt(damping);
     }
+    // In units of D: columns of G over their lengths, sqrt(mu) times the identity below.
     VectorXd b = VectorXd::Zero(A.rows());
     b.head(l.p.size()) = -rhs;
     const VectorXd z = solve_least_squares(A, b);

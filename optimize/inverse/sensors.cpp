@@ -1,3 +1,6 @@
+// Displacements at points of the boundary, from the traces on the edges of a mesh; weighted sums of them as integrals
+// over the label, whose derivatives by state and shape are known (docs/theory/inverse.md, "Least squares").
+
 #include "optimize/inverse/sensors.hpp"
 
 #include "geometry/plane.hpp"
@@ -19,6 +22,7 @@ Sensors::Sensors(const Mesh& mesh, const Readings& readings) : label_(readings.l
     }
   if (lines_.empty()) throw Error(Fault::Usage, "readings: nothing of the boundary has the label they belong to");
   for (const Vec2& x : readings.at) {
+    // At a vertex both edges are as near, and each has half.
     double least = infinity;
     std::vector<Spot> near;
     for (const Line& line : lines_) {

@@ -1,3 +1,9 @@
+// Synthetic measurements: the true body is solved, its displacements are read at sensors along the label and get normal
+// noise relative to their root mean square. The field between the sensors is interpolated by cubics along each curve,
+// since the misfit as an energy wants data at every point [theory: T.7]; sensors where a support begins are known and
+// get no noise. Normal numbers are made from the bits of mt19937 by the method of Box and Muller and rounded to 1e-9,
+// so that they are the same on every machine. docs/theory/inverse.md.
+
 #include "kerf/inverse.hpp"
 #include "solver/system.hpp"
 

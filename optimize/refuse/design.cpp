@@ -1,3 +1,10 @@
+// What is wrong with a design of numbers before anything is meshed: boxes that leave no room in the body, ranges,
+// volumes that the largest holes cannot reach, tips that leave the ring of their functional, elements that cannot do
+// what is asked, and a start that cannot be drawn and has no neighbor that can. What is refused is proved: a box
+// without room by the depth of the body, which changes by no more than the way between two points (extent_of_body.cpp),
+// an area by the largest ones of the boxes. Each rule names the key of the case file. The rules are listed in
+// optimize/refuse.hpp; docs/limits.md says what is not supported.
+
 #include "geometry/plane.hpp"
 #include "optimize/parametric/followers.hpp"
 #include "optimize/parametric/start.hpp"
@@ -60,6 +67,7 @@ std::optional<std::string> out_of_body(const Drawn& d, const Depth& depth) {
       if (depth.most(l.head<2>(), u.head<2>()) < least) return no_room(least);
       break;
     }
+    // The convex hull of the control points holds the curve, and the box of the boxes holds that.
     case Drawn::Kind::Spline: {  // lies among its control points
       Vec2 low = l.head<2>(), high = u.head<2>();
       for (Eigen::Index i = 2; i < l.size(); i += 2)

@@ -1,3 +1,6 @@
+// Signed depth of points in a body, and an upper bound of it over a box: samples at distances that it cannot change
+// more over.
+
 #include "optimize/refuse/extent_of_body.hpp"
 
 #include <algorithm>
@@ -27,6 +30,7 @@ double Depth::operator()(const Vec2& x) const {
 }
 
 double Depth::most(const Vec2& low, const Vec2& high) const {
+  // Depth is Lipschitz with constant 1: no point is farther than half a cell's diagonal from a sample.
   constexpr int pieces = 48;
   const Vec2 cell = (high - low) / pieces;
   const int columns = cell.x() > 0 ? pieces : 1, rows = cell.y() > 0 ? pieces : 1;
