@@ -1,3 +1,12 @@
+// The coarse density stage: two designs of a problem on a lattice within a second, best first, for the level set to
+// begin with. J and the bounds count as far as the lattice knows them (compliance, energy, area); other functionals are
+// replaced by the compliance. Each design is minimized on a lattice of about 3,200 cells, which decides its topology,
+// and continued on one of 5,000 (12,000 at most, for members of 2.5 cells), by optimality criteria where compliances
+// under an area are all there is, else by moving asymptotes [theory: P.6, P.7]. The two differ in their filter: 1.4
+// cells throughout, or 3 shrinking to 1.4 [theory: P.5]; frames with cracks get one with weak cells along the cracks
+// and one without. They are made black and white and judged by another lattice's compliance [theory: P.8]. Derived in
+// docs/theory/density.md.
+
 #include "optimize/density/density.hpp"
 
 #include "optimize/density/simp.hpp"
@@ -82,6 +91,7 @@ struct Stage {
 Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cracks = false) {
   Stage s{make_lattice(p, r, cells, cracks), {}};
   const Lattice& l = s.lattice;
+  // Units of the lattice: areas in cells, compliances over compliance_unit.
   const double whole = l.part.sum(), per_cell = l.cell * l.cell / std::max(l.compliance_unit, 1e-300);
   Known j = known_part(p.objective);
   if (!j.unknown.empty()) {
@@ -107,6 +117,7 @@ Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cr
   return s;
 }
 
+// Sampled at three points of each side: for a refusal to make a start, not for a proof.
 bool moves(const Problem& p, const Support& support) {
   std::vector<const Loop*> loops{&p.frame.outline};
   for (const Loop& hole : p.frame.holes) loops.push_back(&hole);
@@ -140,6 +151,8 @@ struct BlackWhite {
   double area = 0, goal = 0, violation = 0;
 };
 
+// At the area wanted, where nothing else counts. With bounds on compliances the least area that keeps them is found by
+// bisection, and where area has a price or weight five areas near the density's own are compared.
 BlackWhite judged(const Stage& s, const LatticePattern& pattern, const Eigen::VectorXd& density) {
   const Lattice& l = s.lattice;
   LatticeStiffness stiffness(l, pattern);
@@ -223,6 +236,7 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
   Schedule how = schedule(run, !levels[0].stage.lattice.body.empty());
   const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
   const Lattice& l = levels[1].stage.lattice;
+  // The finer lattice goes on with the last radius and exponent, from the coarse design.
   how.change_steps = 0;
   how.most_steps = fine_steps;
   how.start = Eigen::VectorXd::Zero(l.part.size());

@@ -1,3 +1,6 @@
+// Averages over discs of cells with the weights s_d max(0, r - |x_c - x_d|), their transpose, the smoothed derivative
+// [Sigmund 1997; theory: P.5], and the mean of a density and its mirror image.
+
 #include "optimize/density/filter.hpp"
 
 #include <algorithm>
@@ -44,6 +47,7 @@ Eigen::VectorXd LatticeFilter::pull_back(const Eigen::VectorXd& derivative) cons
 }
 
 Eigen::VectorXd LatticeFilter::smooth_derivative(const Eigen::VectorXd& x, const Eigen::VectorXd& derivative) const {
+  // Nearly empty cells would divide by nothing.
   constexpr double least = 1e-3;  // density divided by
   Eigen::VectorXd smooth = average(x.cwiseProduct(derivative));
   for (const Index c : l_.cells) smooth[c] /= std::max(x[c], least);

@@ -1,3 +1,12 @@
+// A body on square cells, in units of its own: lengths in cells, the stiffest shear modulus 1, the largest nodal force
+// 1, all rounded to 2^-36, so that the units of the case change no bit of the result. The share of a cell in the frame
+// is exact: int x dy along the sides, cut at the lines of the lattice, cell by cell. The number of cells is chosen near
+// the one wanted such that sides parallel to the axes and ends of sides lie on lines. Tractions are integrated in the
+// bilinear functions, supports are springs along the sides, beta/2 int |P u|^2 ds with beta = 1e3 mu/h [theory: P.1],
+// so that no node needs to lie on a side. The bulk modulus is at most five times the shear modulus: nearly
+// incompressible cells would lock. Cells on cracks that are not bonded are a hundred times softer. Derived in
+// docs/theory/density.md, section "Lattice".
+
 #include "optimize/density/lattice.hpp"
 
 #include "geometry/plane.hpp"
@@ -47,6 +56,7 @@ struct Outlines {
   std::vector<Polygon> loops;
 };
 
+// Holes are reversed, and labels moved by one with them: a label belongs to the side that begins at its point.
 Outlines outlines(const Shape& frame, double chord) {
   Outlines o;
   o.loops.push_back(flatten(frame.outline, chord, infinity));
@@ -75,6 +85,8 @@ Index cells_along(const Outlines& relative, double wanted) {
   Index best = low;
   double least = infinity;
   for (Index n = low; n <= high; ++n) {
+    // Weights of what is off a line: the lengths of parallel sides in full, ends of sides by 1/50, the number itself by
+    // 1/20.
     double misfit = 0.05 * std::abs(n / wanted - 1);
     for (const Polygon& p : relative.loops)
       for (std::size_t i = 0; i < p.points.size(); ++i) {
@@ -117,6 +129,7 @@ std::vector<Piece> pieces_of(const Outlines& in_cells, Index columns, Index rows
         for (double line = std::floor(low) + 1; line < high; ++line) at.push_back((line - a[k]) / (b[k] - a[k]));
       }
       std::sort(at.begin(), at.end());
+      // A point 1/1000 of a cell to the left decides which cell a piece on a line belongs to.
       const Vec2 left = 1e-3 * Vec2(a.y() - b.y(), b.x() - a.x()).normalized();
       for (std::size_t s = 0; s + 1 < at.size(); ++s) {
         const Vec2 from = at[s] == 0 ? a : snapped(a + at[s] * (b - a));
@@ -135,6 +148,8 @@ std::vector<Piece> pieces_of(const Outlines& in_cells, Index columns, Index rows
 Eigen::VectorXd parts_of(const std::vector<Piece>& pieces, Index columns, Index rows) {
   Eigen::VectorXd part = Eigen::VectorXd::Zero(std::int64_t{columns} * rows), whole = part;
   for (const Piece& p : pieces) {
+    // A piece adds its share within its own cell, and its whole height to all cells on its left, which are summed from
+    // the right.
     const double height = p.b.y() - p.a.y(), x = (p.a.x() + p.b.x()) / 2;
     if (height == 0) continue;
     const Index row = std::clamp<Index>(static_cast<Index>(std::floor((p.a.y() + p.b.y()) / 2)), 0, rows - 1);
@@ -237,6 +252,7 @@ void Builder::materials() {
   Eigen::VectorXd share = l_.part;
   for (const Piece& piece : pieces_)
     if (piece.label != none && carries(piece.label)) {
+      // A sliver that bears a load or a support must not vanish.
       l_.part[piece.cell] = std::max(l_.part[piece.cell], least_part);
       share[piece.cell] = std::max(share[piece.cell], loaded_part);
     }
@@ -403,6 +419,7 @@ bool has_cracks(const Problem& p) {
 }
 
 std::optional<std::string> unsupported(const Lattice& l) {
+  // The energy of the springs under rigid motions: positive definite where they hold the body.
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   const double scale = std::max(l.columns, l.rows);
   const auto rigid = [&](Index unknown) -> Eigen::Vector3d {

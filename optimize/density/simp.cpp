@@ -1,3 +1,14 @@
+// Penalized densities on a lattice: compliances and their derivatives, two methods of steps, and the density made black
+// and white.
+//   E = eps + (1 - eps) rho^p [Bendsoe 1989; theory: P.2], under body force rho/(1 + q (1 - rho)) [theory: P.3]
+//   dC_k/drho = 2 df_k/drho . u_k - E'(rho) u_k.K u_k                                             [theory: P.4]
+// Optimality criteria scale each density by (gain/price)^(1/2) with the price that gives the area, found by bisection
+// [Sigmund 2001; theory: P.6]. All other goals go to moving asymptotes (mma.cpp), in units of the goal at the start.
+// Filter radius and exponent go evenly from their first to their last values. After every step densities are rounded to
+// 2^-24, so that the rounding of the solver, which differs between machines, hardly ever changes a bit of them. Black
+// and white is the set above a level of the bilinear density, by 16 samples per cell [theory: P.8]. Derived in
+// docs/theory/density.md.
+
 #include "optimize/density/simp.hpp"
 
 #include "optimize/density/mma.hpp"
@@ -66,6 +77,7 @@ Eigen::VectorXd criteria_step(const Lattice& l, const Eigen::VectorXd& x, const 
         next[c] = std::clamp(x[c] * std::sqrt(gain[c] / price), std::max(0.0, x[c] - move), std::min(1.0, x[c] + move));
     return volume(l, next);
   };
+  // Bisection in the logarithm: prices span many orders of magnitude.
   double low = 1e-12 * gain.maxCoeff(), high = 1e6 * gain.maxCoeff();
   while (high > (1 + 1e-8) * low) {
     const double price = std::sqrt(low * high);

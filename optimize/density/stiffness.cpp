@@ -1,3 +1,9 @@
+// Displacements of a lattice of bilinear square elements: K = sum over cells of E (mu K_mu + lambda K_lambda) +
+// springs, by a sparse factor. The matrices of a unit cell are those of two Gauss points each way, exact for squares.
+// The pattern of the matrix and the places of the 36 entries of each cell's lower triangle are made once per lattice,
+// nodes in the order of nested dissection; each density fills in values and refactors. cell_energies are u'K u per cell
+// at relative stiffness 1, for (P.4). docs/theory/density.md, section "Lattice".
+
 #include "optimize/density/stiffness.hpp"
 
 #include <algorithm>

@@ -1,3 +1,10 @@
+// Checkpoints as files: named vectors of doubles and texts, with a fingerprint of the case, the length of the body and
+// a checksum. A file is replaced by writing another one beside it, flushing and renaming, so that after a kill at any
+// moment it is the old or the new one. Reading refuses what is cut off, longer than it says, of another format, or has
+// a wrong checksum (FNV-1a, whose every step is a bijection: no change of a single byte goes unseen), with the reason
+// and the advice to start anew. What the numbers mean is checked by whoever reads them (checkpoint_reader.hpp).
+// docs/security.md has what files from strangers may do.
+
 #include "optimize/checkpoint.hpp"
 
 #include "kerf/types.hpp"
@@ -90,6 +97,7 @@ struct Decoder {
 
 Checkpoint decode(std::string_view file, const std::filesystem::path& path) {
   Decoder in{file, path};
+  // A file shorter than the magic is judged by what there is of it.
   if (file.substr(0, magic.size()) != magic.substr(0, file.size())) in.refuse("is no checkpoint of kerf");
   if (file.size() < head + tail) in.refuse(fmt::format("is cut off after {} bytes", file.size()));
   in.take(magic.size());

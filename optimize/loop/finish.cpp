@@ -1,3 +1,11 @@
+// The end of an optimization: the design on a mesh of half the size with an element of one degree more and curved
+// edges, the word for it (optimal, stalled, budget used, infeasible) and why. Bounds on release rates and squared
+// stresses are judged by the upper end of their interval there, where that is guaranteed, else by the larger of it and
+// the value (docs/theory/guarantees.md, "What is guaranteed of an optimised design"). "Optimal" needs the residual
+// asked for, no obstacle and a finer design that keeps its constraints to 1e-3. Where the finer mesh finds a bound
+// violated, `with_more_room` tells how much less the loop's own mesh may use, in proportion to what the two meshes say
+// of the design.
+
 #include "optimize/loop/finish.hpp"
 
 #include "geometry/curved.hpp"

@@ -1,3 +1,5 @@
+// Rows of a history in a checkpoint: 13 numbers, then bounds and variables per row, notes by line.
+
 #include "optimize/loop/history_text.hpp"
 
 #include "optimize/checkpoint_reader.hpp"

@@ -1,3 +1,12 @@
+// Intervals of what a design is bound by, on the mesh by which it is judged, term by term:
+//   release rate of a crack:        G of the interval of K_I, K_II at its tip     [theory: B.11, B.12]
+//   integral of the squared stress: from the two-sided bounds of the energy       [theory: B.25, B.26]
+//   volume: known
+// and powers, factors and sums of them; under several load cases the larger one has max of the ends. Cracks that may
+// touch and are open everywhere have the interval of the open crack, not guaranteed. Where the design has arcs and the
+// mesh chords, the interval is that of the polygon and says so. Everything else has none, with the reason.
+// docs/theory/guarantees.md, "What is guaranteed of an optimised design".
+
 #include "optimize/loop/intervals.hpp"
 
 #include "geometry/curved.hpp"
@@ -26,6 +35,7 @@ bool is_bounded(const Bounded& b) {
 }
 
 /// The end of the crack by which it grows in the direction of the term; nothing where it is no such end.
+/// The end at the feature of the term by which the crack grows along its direction; an arc's tangent is not compared.
 std::optional<TipIntensity> tip_of(const Term& term, const Shape& shape) {
   const double near = same_place * extent(shape);
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
@@ -125,6 +135,7 @@ bool may_have_interval(const Functional& j) {
 }
 
 /// What the larger of two quantities lies in.
+/// max is monotone in both: the ends of the larger quantity are the larger ends.
 Bounded worst(const Bounded& a, const Bounded& b) {
   if (!is_bounded(a)) return a;
   if (!is_bounded(b)) return b;

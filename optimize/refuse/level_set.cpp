@@ -1,3 +1,11 @@
+// What is wrong with a level-set request before anything is meshed: start holes that leave no body or cut the loads
+// off, frozen parts that cover it all or more than the area allowed, lengths larger than the body, a boundary of which
+// nothing can move. Nothing is refused on a sample alone. The body is covered by at most 200 squares along its longer
+// side, each with the depth of its middle, and a depth changes by no more than the way to a corner (`slack`): start
+// holes count as smaller, what stays solid as larger than they are, frozen parts as smaller where their share is
+// bounded below. Squares that touch at a corner hang together, so that what is found to be cut off is cut off. The
+// rules are listed in optimize/refuse.hpp.
+
 #include "optimize/level_set/start.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/refuse/methods.hpp"
@@ -195,6 +203,7 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
 void look_at_lengths(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const double size = extent(p.frame);
   const auto [low, high] = box_of(p.frame.outline);
+  // A member is no wider than twice the largest depth.
   const double widest = 2 * Depth(p.frame, 1e-4 * size).most(low, high);
   if (r.level_set.min_feature > widest)
     all.push_back({"optimize.min_feature",

@@ -1,3 +1,9 @@
+// What is wrong with an optimization and can be known before anything is meshed or solved, rule by rule; the parts that
+// only a level set or only drawn shapes can get wrong are in level_set.cpp and design.cpp. Each rule appends the key of
+// the case file that it blames, with what to do instead; refuse_wrong throws all of them, a line each. Loads count as
+// absent only where interval arithmetic encloses them by 0 over the whole side or body (docs/theory/data.md,
+// "Enclosures"): what is sampled counts as a load. docs/limits.md says what is not supported.
+
 #include "optimize/refuse.hpp"
 
 #include "geometry/interfaces.hpp"
@@ -30,6 +36,7 @@ bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
     for (std::size_t i = 0; i < loop->sides.size(); ++i) {
       const Side& side = loop->sides[i];
       if (side.label != label) continue;
+      // Over the box about the circle of the arc: more than the arc, so that a 0 is proved.
       if (side.arc) {
         const double r = largest_radius(*side.arc);
         const Vec2& c = side.arc->center;
