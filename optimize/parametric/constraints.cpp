@@ -1,3 +1,10 @@
+// What keeps designs of numbers meshable: least distances between drawn things, and from them to holes, cracks,
+// regions, the outline and forbidden discs, as constraints 1 - distance/least <= 0 with their derivatives. Circles are
+// exact. Other boundaries are sampled, and their distance is the soft minimum of (L.9), with derivatives by the
+// variables of both. Pairs whose boxes keep apart, or one inside the other, for all variables are left out, so that the
+// number of constraints stays small. A region keeps things on the side on which they start. What must hold of a shape
+// by itself is in its own file (shapes/). docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/constraints.hpp"
 
 #include "geometry/plane.hpp"
@@ -75,12 +82,14 @@ Thing drawn_thing(const Drawn& d, Index number) {
           .box = shape.box(d)};
 }
 
+// A sufficient test only: the gap along one of the axes.
 bool always_apart(const Thing& a, const Thing& b, double least) {
   const Vec2 gap = (b.box.low - a.box.high).cwiseMax(a.box.low - b.box.high);
   return gap.maxCoeff() > least;
 }
 
 /// Whether a box lies farther than `least` inside a closed polygon or disc.
+/// Corners inside and no side of the polygon within `least` of the box, or across it.
 bool always_inside(const Thing& a, const DesignCurve& b, double least) {
   const std::array<Vec2, 4> corners = {a.box.low, Vec2(a.box.high.x(), a.box.low.y()), a.box.high,
                                        Vec2(a.box.low.x(), a.box.high.y())};
@@ -121,6 +130,7 @@ Constraint apart(const Thing& a, const Thing& b, double least, const std::string
               gradient->segment(from_a, na) -= r.by_a / least;
               gradient->segment(from_b, nb) -= r.by_b / least;
             }
+            // No distance, as of curves without points, is no violation.
             return std::isfinite(r.value) ? 1 - r.value / least : -1.0;
           }};
 }
@@ -129,6 +139,7 @@ Constraint apart(const Thing& a, const Thing& b, double least, const std::string
 
 std::vector<Constraint> constraints(const Design& d, const Problem& p, double least,
                                     const std::vector<Forbidden>& forbidden) {
+  // Fixed arcs become chords that are a twentieth of the least distance off at most.
   const double longest = std::max(least, extent(p.frame) / 200), chord = least / 20;
   std::vector<Thing> others;
   others.push_back(fixed_loop("the outline", p.frame.outline, chord, extent(p.frame)));

@@ -1,3 +1,9 @@
+// A design of numbers: its variables in order, their names and boxes, what is wrong with them, and the body that they
+// draw. The variables of drawn things stand one after the other in the order of the design; each kind of thing is a row
+// of the table in shapes/shape.hpp, which says how many it has, what they are called, and what they draw. Drawn holes,
+// cracks and regions come behind those of the frame, in the same order, which followers.cpp and evaluations.cpp count
+// on. Names are unique within their kind. docs/theory/level_set.md, section "Drawn designs".
+
 #include "kerf/design.hpp"
 
 #include "optimize/parametric/followers.hpp"

@@ -1,3 +1,10 @@
+// Distances between boundaries that depend on variables, and their derivatives by these: disc to disc exactly, all
+// others as the soft minimum over points and pieces of polylines [theory: L.9],
+//   -w ln sum_i exp(-d_i/w),   never above the least d_i, smooth, with the weights exp(-d_i/w)/sum for the derivatives.
+// The derivative of the distance of a point to a piece is the unit vector n from its foot: n by the point, -(1 - t) n
+// and -t n by the ends of the piece, t the share of the foot. What lies inside a closed curve has a negative distance,
+// the shortest way out; with `container` what lies outside has. docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/distance.hpp"
 
 #include "geometry/plane.hpp"
@@ -17,6 +24,7 @@ Index pieces_of(const DesignCurve& c) {
 
 /// Signed distances of the point x to all pieces of the polyline c; `sign` of what lies inside a closed one.
 template <class Add>
+// A soft minimum of negative distances would be the longest way out: inside only the nearest piece counts.
 void to_pieces(const Vec2& x, const DesignCurve& c, bool container, const Add& add) {
   const bool in = c.closed && inside_polygon(c.points, x);
   const double sign = c.closed && in != container ? -1 : 1;
@@ -95,6 +103,7 @@ Distance SoftMinimum::sum() const {
   if (entries_.empty()) return d;
   double total = 0;
   for (const Distance& e : entries_) {
+    // Relative to the least, so that nothing underflows.
     const double w = std::exp(-(e.value - least_) / width_);
     total += w;
     d.by_a += w * e.by_a;
@@ -146,6 +155,7 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
     return soft.sum();
   }
   points_to_pieces(a, b, container, false, soft);
+  // Both ways: a corner of b may be nearest to the middle of a piece of a.
   if (!container) points_to_pieces(b, a, false, true, soft);
   return soft.sum();
 }

@@ -1,3 +1,11 @@
+// A design of numbers evaluated: J, bounds per load case and their derivatives by the variables. A round begins with a
+// mesh of its first design. Vertices on drawn things are its followers: they keep their place on the thing and move
+// with the variables, the others by harmonic extension [theory: S.7], so that J is a smooth function with the exact
+// derivative (S.3), gathered onto the followers and pulled back to the variables; the stiffness of an inclusion has
+// (S.6). Other designs of the round move the mesh of the nearest one that was meshed; where that strains it, they get a
+// mesh of their own. Load cases share a factor. Meshes are built when needed, six are kept. Evaluations replayed from a
+// checkpoint build none. docs/theory/shape_gradient.md.
+
 #include "optimize/parametric/evaluations.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -110,6 +118,7 @@ struct Evaluations::Impl {
     return static_cast<Eigen::Index>(names.size());
   }
 
+  // In boxes: variables have different units.
   Base* nearest(const VectorXd& x) {
     Base* best = nullptr;
     double least = 0;
@@ -125,6 +134,7 @@ struct Evaluations::Impl {
     return best;
   }
 
+  // The least recently used one goes first; it can be built again from its design.
   Base::Built& built(Base& base) {
     if (!base.built) base.built = build(design, base.at, problem, body_of(design, base.at, problem).shape);
     base.used = ++clock;
@@ -243,6 +253,7 @@ struct Evaluations::Impl {
         const double bounded = value_of(request.bounds[b].functional, model, state, base, x, gradient);
         result.bounds[b] = std::max(result.bounds[b], bounded);
         const Eigen::Index k = row_of_bound(b, l);
+        // In rows of load cases: with the worst alone the constraint would have kinks.
         e.values[k] = bounded - at_most[b];
         if (gradients) e.gradients.col(k) = by;
       }
@@ -417,6 +428,7 @@ Evaluations::Check Evaluations::check_derivatives(const DesignEvaluation& at, co
   for (Eigen::Index k = 0; k < many; ++k) {
     const VectorXd& g = at.evaluation.gradients.col(k);
     const double exact = g.dot(along), difference = (values[0][k] - values[1][k]) / (2 * step);
+    // Relative to the sum of the parts of the derivative, which may cancel along the direction.
     const double size = std::max(g.cwiseProduct(along).cwiseAbs().sum(), 1e-6 * std::abs(at.evaluation.values[k]));
     check.error.push_back(size > 0 ? std::abs(exact - difference) / size : std::abs(difference));
   }

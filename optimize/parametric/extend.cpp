@@ -1,3 +1,10 @@
+// The motion of a boundary carried into a mesh and forces on the mesh carried back [theory: S.7]:
+//   sum_T 1/|T| int_T grad u . grad v = 0 for all v that vanish at given vertices,   u = given there,
+// linear elements with a weight that keeps small triangles stiff. The matrix of the free vertices is factorized once
+// per mesh; `gather` is the transpose of `extend`, one more solve with the same factor. A moved mesh is refused where
+// an angle falls below 13 degrees and below 0.6 of what it was, or a triangle is stretched by more than 1.6.
+// docs/theory/shape_gradient.md, section "Carrying a motion into the mesh".
+
 #include "optimize/parametric/extend.hpp"
 
 #include "solver/moved.hpp"
@@ -9,6 +16,7 @@ namespace kerf {
 
 namespace {
 
+// F = b a^-1 maps the triangle before to the one after.
 bool distorted(const Mesh& before, const Mesh& after, std::size_t t, double most) {
   const auto sides = [t](const Mesh& mesh) {
     const auto& v = mesh.triangles[t];
@@ -26,6 +34,7 @@ bool distorted(const Mesh& before, const Mesh& after, std::size_t t, double most
 }
 
 /// Stiffness of the pair of vertices i, k of a triangle over its area: -1/2 cot of the angle between, over the area.
+/// e_i . e_k/(4 |T|) of linear elements, and once more over |T| for the weight.
 double stiffness(const Mesh& mesh, Index t, std::size_t i, std::size_t k) {
   const auto& v = mesh.triangles[static_cast<std::size_t>(t)];
   const auto edge = [&](std::size_t c) {

@@ -1,3 +1,9 @@
+// How meshes follow what numbers draw: which vertices lie on a drawn thing (by its label, its crack or its region),
+// where on it, where they go with the variables, and forces on them pulled back, sum_k force_k . d position_k/dx.
+// Places are kept in coordinates of the thing (axes of an ellipse, shares of pieces), so that a position is a smooth
+// function of the variables and its derivative exact. Drawn things are counted behind those of the frame, in the order
+// of the design. docs/theory/shape_gradient.md, section "Carrying a motion into the mesh", has what is done with them.
+
 #include "optimize/parametric/followers.hpp"
 
 #include "kerf/optimize.hpp"

@@ -1,3 +1,13 @@
+// Smooth minimization in a box under inequality constraints by NLopt (mma [Svanberg 2002], slsqp [Kraft 1994], cobyla
+// [Powell 1994], and ccsaq), which is included here alone, with kerf's own judgement of the result. NLopt sees
+// variables from 0 to 1 and an objective over its scale. It calls short steps a success, at wrong points too: the
+// residual of the conditions of Karush, Kuhn and Tucker [theory: L.8] decides, and where it is large mma goes on from
+// there. Failed evaluations are answered from the nearest good one, by its linear model where a known constraint is
+// violated, else uphill. Where constraints stay violated, the sum of their squares is minimized once. Every evaluation
+// is remembered: asked again, it costs nothing. The residual: min over l, m >= 0 of |(grad f + sum l grad c + sum m n,
+// l c, m d)| by nonnegative least squares [Lawson, Hanson 1974], for the signs of the slopes of the multipliers before.
+// docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/minimize.hpp"
 
 #include "kerf/types.hpp"
@@ -150,6 +160,7 @@ bool Run::better(const Evaluation& a, const Evaluation& b) const {
   return fa ? a.values[0] < b.values[0] : va < vb;
 }
 
+// Values that are known (constraints on the geometry need no mesh) are kept.
 void Run::answer(Evaluation& failed, bool gradients) const {
   const Evaluation* near = nullptr;
   double least = 0;
@@ -190,6 +201,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
   }
 }
 
+// The scale is the largest of here, the start and the run's: a residual must not grow because the objective has fallen.
 void Run::weigh_up(const Evaluation& e) {
   double kkt = nan;
   if (e.gradients.cols() > 0) {
@@ -480,6 +492,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     return all;
   };
   constexpr int most = 20;
+  // Signs change with the multipliers: a step that does not lower the residual is halved, then ends.
   for (int iteration = 0; iteration < most; ++iteration) {
     const VectorXd r = g + A * multipliers, weight = (r.array() > 0).select(above, below);
     const double size = left(multipliers).norm();

@@ -1,3 +1,11 @@
+// Minimization over the variables of a design in rounds, each on a fresh mesh that follows the design, until a round
+// lowers J by less than the tolerance. The derivative is checked once against central differences along one direction,
+// with three steps as contact may change within the longer ones. After every evaluation the checkpoint has all of it; a
+// run that resumes replays evaluations in their order and refuses a checkpoint whose designs are not those that it asks
+// for. Of several starts the best one goes on (starts.cpp). When a round changes little, the design is solved on a
+// finer mesh. Bounds that are violated there allow less from then on, twice at most, and rounds go on. At the end it is
+// judged there (optimize/loop/finish.cpp). docs/theory/level_set.md, section "Drawn designs".
+
 #include "kerf/optimize.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -27,6 +35,7 @@ constexpr int most_rooms = 2;         // times that bounds are made to leave roo
 
 // Evaluations as numbers, for the checkpoint.
 constexpr Eigen::Index head = 11;
+// Eleven numbers, then bounds, x, values and gradients; unpacked reads in this order.
 VectorXd packed(const DesignEvaluation& t) {
   const Evaluation& e = t.evaluation;
   const auto bounds = static_cast<Eigen::Index>(t.bounds.size());
@@ -90,6 +99,7 @@ StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
 }
 
 /// A direction in boxes with entries of size 1/2 to 1, the same everywhere.
+/// No entry is small, so that no variable goes unchecked.
 VectorXd some_direction(Eigen::Index n) {
   std::mt19937 bits(20240229u);
   VectorXd d(n);
@@ -260,6 +270,7 @@ void Rounds::show(const Iteration& row, const DesignEvaluation& design) {
 }
 
 /// After every evaluation: a row of the history when it is accepted, the observer, the checkpoint.
+/// A row is accepted when it is better than all before in its round: less violation, or feasible and lower.
 bool Rounds::look_at(const Evaluation& e, double kkt) {
   const std::size_t number = next_ - 1;
   const DesignEvaluation& design = done_[number];
@@ -410,6 +421,7 @@ FinerDesign Rounds::solve_finer_design(const VectorXd& x) const {
 
 /// Where a finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
+/// What was decided before an interruption is read back, not decided anew.
 bool Rounds::leave_room(const Iteration& row) {
   if (request_.bounds.empty() || rooms_ == most_rooms) return false;
   const std::string key = fmt::format("room {:06}", rooms_);

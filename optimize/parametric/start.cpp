@@ -1,3 +1,9 @@
+// Designs to begin with: the nearest to a given one that can be drawn, and a sequence of places that fills the boxes.
+// The nearest design minimizes 1/2 |(y - x)/box|^2 under the constraints on the geometry, by slsqp, without any state;
+// from where that gets stuck (two things at the same place do not know which way to go) it begins again at up to 12
+// other places. Places are x_i = frac(1/2 + k g^-i) with g^(n+1) = g + 1 [Roberts 2018], which fill a box of n
+// variables evenly for any number of them. docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/start.hpp"
 
 #include "kerf/optimize.hpp"
@@ -51,6 +57,7 @@ std::vector<Forbidden> forbidden_discs(const Problem& p, const OptimizeRequest& 
 VectorXd place_in(const VectorXd& lower, const VectorXd& upper, int number) {
   // x_i = frac(1/2 + number a_i), a_i = g^-i, g^(n+1) = g + 1 [Roberts 2018].
   const auto n = static_cast<double>(lower.size());
+  // 60 iterations of the fixed point: converged to rounding.
   double g = 2;
   for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1 / (n + 1));
   VectorXd x(lower.size());
@@ -96,6 +103,7 @@ std::optional<VectorXd> repaired(const VectorXd& x, const Problem& p, const Opti
   std::optional<VectorXd> best;
   double least = infinity;
   constexpr int places = 12;
+  // Two at least: the first one may have found a far design. Later ones begin farther away.
   for (int k = 0; k <= places && (k < 2 || !best); ++k) {
     const VectorXd from = k == 0 ? x : VectorXd(x + (place_in(lower, upper, k) - x) * std::min(1.0, 0.1 * k));
     const Minimum found = minimize(program, from, OptimizeMethod::Slsqp, {.evaluations = 200, .scale = 1});

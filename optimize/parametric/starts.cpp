@@ -1,3 +1,9 @@
+// Several designs to begin with, compared on a mesh 1.5 times as coarse: each is minimized from for 12 evaluations, the
+// best third of them (two to four) for 40 more, and the best of these is gone on from. One design is better than
+// another if it violates less, beyond 1e-3, then by its merit; failed ones come last. Looks are independent of each
+// other: threads take them, or processes of a farm, each as a packed task, and they are sorted stably, so that the
+// result does not depend on who did them. The least distance between things does not grow with the coarse mesh.
+
 #include "optimize/parametric/starts.hpp"
 
 #include "optimize/load_cases.hpp"
@@ -24,6 +30,7 @@ constexpr int first_evaluations = 12, second_look = 40;  // evaluations
 constexpr double bearable_violation = 1e-3;  // violations up to here do not make one design worse than another
 
 /// The given design first.
+/// A place that leads to a design that is there already is left out; 20 tries per start end the search.
 std::vector<VectorXd> places(const Problem& p, const OptimizeRequest& r, const VectorXd& given) {
   const VectorXd lower = lower_bounds(r.design), upper = upper_bounds(r.design);
   const VectorXd width = (upper - lower).unaryExpr([](double w) { return w > 0 ? w : 1.0; });

@@ -1,6 +1,5 @@
-// J as energies plus the work of loads, for bounds [theory: B.27]: what J weighs the displacement, its trace or the
-// opening of a crack with becomes the body force, traction or pressure of a second scene, whose solution is the
-// adjoint.
+// J as energies plus the work of loads, for bounds [theory: B.27]: what J weighs a displacement or an opening with
+// becomes the loads of a second scene, whose solution is the adjoint.
 
 #include "topo/functional/linear.hpp"
 

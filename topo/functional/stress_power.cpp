@@ -1,5 +1,9 @@
-// J = int w V^(p/2) of the von Mises stress and its p-norm: density, derivative, and what a small change does to the
-// density around itself [theory: T.17, T.18, T.19, T.34].
+// J = int w V^(p/2) of the von Mises stress and its p-norm (int w V^(p/2))^(1/p): density, derivative, and what a small
+// change does to the density around itself [Amstutz, Novotny 2010; theory: T.17, T.18, T.19, T.34]. The local term is
+// local_term of von_mises.hpp for circles; (p - 1) Phi + Psi for ellipses, Psi alone for cracks, open or closed, with
+// Psi of exterior.hpp. Both are tables that depend on the material and the shape, not on the point: made once, shared
+// by copies of the term and by threads. Clamped holes are refused: the stress around them is not integrable to a power.
+// Derived in docs/theory/topological_derivatives.md, section "Functionals of the stress".
 
 #include "kerf/functional.hpp"
 #include "topo/formulas/exterior.hpp"

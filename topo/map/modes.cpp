@@ -1,6 +1,5 @@
 // T as the sum of its parts at a point: mean stress, deviator, what both give together, eigenstrain, displacement,
-// density. An error of a part of T is seen in proportion to its share (docs/theory/validation.md, section "The
-// verdict").
+// density. An error of a part is seen in proportion to its share (docs/theory/validation.md, section "The verdict").
 
 #include "topo/map/modes.hpp"
 

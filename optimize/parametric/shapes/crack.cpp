@@ -1,4 +1,8 @@
-// A crack: x, y of the vertices of its path, from start to end.
+// A crack: x, y of the vertices of its path, from start to end. Vertices of the mesh keep their edge and their share of
+// it. Constraints see each edge in eight samples; next to a fixed end, which may lie on another thing, the last quarter
+// of the edge is left out against fixed things. A path keeps its edges as long as the least distance, turns by less
+// than 120 degrees and comes nowhere nearer to itself than that distance. A guess is a straight crack at one of 24
+// angles, between the boxes of its ends [theory: I.1]. docs/theory/inverse.md.
 
 #include "optimize/parametric/shapes/shape.hpp"
 
@@ -143,6 +147,7 @@ void constrain_crack(const Drawn& d, Eigen::Index first, double least, std::vect
 }
 
 /// Straight cracks in all directions.
+/// Half the least and the largest distance of the boxes of both ends.
 Sought seek_crack(const Drawn& d, const Problem&) {
   const VectorXd &l = d.lower, &u = d.upper;
   const Eigen::Index last = l.size() - 2;

@@ -1,3 +1,5 @@
+// What circles, ellipses and circular inclusions share: places in their axes, x = center + axes local, and derivatives.
+
 #include "optimize/parametric/shapes/round.hpp"
 
 namespace kerf {

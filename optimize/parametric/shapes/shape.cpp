@@ -1,3 +1,6 @@
+// The table of drawn things looked up, and what several of them need: constraints on one thing, cosines, places on
+// polylines.
+
 #include "optimize/parametric/shapes/shape.hpp"
 
 #include "geometry/plane.hpp"

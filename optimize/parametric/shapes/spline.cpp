@@ -1,4 +1,9 @@
-// A hole inside a closed uniform cubic B-spline: x, y of its control points, counter-clockwise.
+// A hole inside a closed uniform cubic B-spline: x, y of its control points, counter-clockwise. It is drawn as a
+// polygon with 4, 8, ... pieces per span until corners turn by at most 6 degrees, well below what counts as a corner of
+// the body, and sides are no longer than the mesh size. A vertex keeps its piece and share of it, so that it moves
+// linearly with the control points of both ends of the piece. The area 1/2 int x cross x' ds is exact with three Gauss
+// points per span. Three constraints keep the shape: its area at least that of a disc of the least distance (which also
+// fixes the sense), its thickness, its turns.
 
 #include "optimize/parametric/shapes/spline.hpp"
 
@@ -11,6 +16,7 @@
 
 namespace kerf {
 
+// The cubic B-spline basis of four control points, t the share of the span.
 SplineWeights spline_weights(Index n, double s) {
   const double floor = std::floor(s), t = s - floor;
   SplineWeights w{static_cast<Index>(floor) % n, {}, {}};
@@ -152,6 +158,7 @@ Constraint large_enough(const Drawn& d, Eigen::Index first, double least) {
                         });
 }
 
+// Between points a quarter of the curve apart or more: nearer ones are neighbors.
 Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
   const Eigen::Index n = d.lower.size();
   return own_constraint(
@@ -176,6 +183,7 @@ Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
 }
 
 /// Neither loops nor cusps.
+/// Tangents half a span apart: a turn of more than 120 degrees there is a loop or a cusp.
 Constraint smooth_enough(const Drawn& d, Eigen::Index first) {
   const Eigen::Index n = d.lower.size();
   return own_constraint(name(d) + " turns too sharply", first, n, [=](const VectorXd& v, VectorXd& by) {
@@ -224,6 +232,7 @@ double mean_radius(const VectorXd& xy) {
   return 2 * sum / static_cast<double>(xy.size());
 }
 
+// Sizes between a quarter and four times that of the start, since boxes of control points say nothing of it.
 Sought seek_spline(const Drawn& d, const Problem&) {
   constexpr double range = 4;
   Sought s{.low = middle(d.lower),
