@@ -1,9 +1,8 @@
 // An elliptic hole: center x, y, semi-axes a, b, angle of the first (radians). A vertex of the mesh keeps its place in
-// the axes, x = center + R(angle) diag(a, b) local with |local| = 1, so that dx/dangle = R (-b local_2, a local_1) and
-// the others follow as easily. Constraints see 64 points on it, equidistant in the parameter, and their derivatives.
-// Its area is pi a b. A guess is a circular hole of the same area as a small ellipse; the semi-axes begin equal and the
-// angle as the start has it [theory: I.1]. docs/theory/inverse.md has the guess, docs/theory/shape_gradient.md the
-// derivative by the vertices.
+// the axes, x = center + R(angle) diag(a, b) local, so that dx/dangle = R (-b local_2, a local_1) and the other
+// derivatives are columns of R times local. Constraints see 64 points on it, equidistant in the parameter, and their
+// derivatives. Its area is pi a b. A guess is a circular hole: the semi-axes begin equal, and the angle as the start
+// has it. docs/theory/inverse.md has the guess, docs/theory/shape_gradient.md the derivative by the vertices.
 
 #include "optimize/parametric/shapes/round.hpp"
 
