@@ -131,6 +131,8 @@ Vec2 image_of(const Mirror& mirror, const Vec2& x) {
   return mirror.point + 2 * along.dot(d) * along - d;
 }
 
+// Neighbors of the vertices in one list, as the rows of a sparse matrix. The rim are edges of the frame that may
+// recede: neither supports nor what bears loads.
 BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
   BackgroundMesh b{.mesh = std::move(mesh)};
   const std::size_t n = b.mesh.points.size();
@@ -179,6 +181,7 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
 }
 
 Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& phi) {
+  // Pieces of the zero line, and edges of the rim with material at both ends; seeds are the corners of their triangles.
   std::vector<ZeroPiece> pieces = zero_line(b.mesh, phi);
   for (const Index e : b.rim) {
     const auto& [v, w] = b.mesh.edges[static_cast<std::size_t>(e)];
@@ -209,6 +212,8 @@ double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x
   return barycentric(b.mesh, t, x).dot(Eigen::Vector3d(f[v[0]], f[v[1]], f[v[2]]));
 }
 
+// Points outside, by rounding or beside the frame, give their whole amount to the nearest triangle: shares are made
+// nonnegative and normed.
 Eigen::VectorXd spread_onto(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& amounts) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -245,6 +250,7 @@ Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi) {
 Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area) {
   const auto shifted = [&](double c) { return clipped(b, (phi.array() + c).matrix()); };
   const double whole = b.lumped.sum(), enough = 1e-9 * whole;
+  // Below `low` all is material, above `high` none.
   double low = -phi.maxCoeff() - b.size, high = -phi.minCoeff() + b.size;  // all material, none
   double at = 0, excess = negative_area(b.mesh, shifted(at)) - area;
   // Secants while they stay in the bracket: the derivative by c is minus the length of the zero line.

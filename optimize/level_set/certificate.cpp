@@ -82,6 +82,7 @@ Prices prices_of(const Ground& g, const Evaluated& e) {
   return prices;
 }
 
+// T is taken from the element's own stress at centroids, of the sum of J and the bounds with their prices.
 HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices) {
   constexpr double beside = 1;  // of the boundary, in mesh sizes
   const Model& m = e.cases.front().model;
@@ -113,6 +114,7 @@ HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices
   return holes;
 }
 
+// (L.13) has no body force and no density in the body: there the margin is not looked at.
 BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices) {
   BumpMargin bumps;
   const auto has_density = [](const Functional& j) {
@@ -135,6 +137,7 @@ BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices
   return bumps;
 }
 
+// Radii 0.4 of the mesh size and halves of it, under every load case: the first verdict that does not hold is told.
 Verdict proved(const Ground& g, const Evaluated& e, const Vec2& at) {
   constexpr double wide = 3, largest = 0.4;  // radius, of the mesh size: the boundary is a mesh size away
   Sizing sizing = g.p.sizing;

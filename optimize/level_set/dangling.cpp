@@ -96,6 +96,7 @@ Flags bearing_vertices(const BackgroundMesh& b, std::span<const Index> labels) {
 
 }  // namespace
 
+// Without anything that bears there is nothing that material could hang on.
 void drop_dangling(const BackgroundMesh& b, std::span<const Index> labels, double half_width, Eigen::VectorXd& phi) {
   const Flags bearing = bearing_vertices(b, labels);
   if (std::find(bearing.begin(), bearing.end(), 1) == bearing.end()) return;

@@ -61,6 +61,7 @@ double lower_third(const Eigen::VectorXd& values) {
   return *at;
 }
 
+// A function of any scale becomes a signed distance with what must stay solid, void or mirrored in it.
 Eigen::VectorXd from_nothing(const Ground& g, Eigen::VectorXd phi) {
   return signed_distance(g.background, constrained(g.background, std::move(phi)));
 }
@@ -80,11 +81,13 @@ constexpr const char* no_iterations = "the iterations asked for are done";
 
 }  // namespace
 
+// What a checkpoint of this ground must fit.
 StateSizes sizes_of_state(const Ground& g) {
   return {g.background.lumped.size(), static_cast<Eigen::Index>(g.r.bounds.size()), largest_step_radius * g.size,
           largest_turn};
 }
 
+// The words of the end are the only record of it in a checkpoint.
 bool out_of_iterations(const DescentState& s) {
   return s.ended.starts_with(no_iterations);
 }
@@ -113,6 +116,8 @@ Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
   anchored_ = same(s_.anchor.phi, s_.best.phi) ? best_ : drawn(s_.anchor.phi);
 }
 
+// The start is drawn and solved as it is. The fixed point leaves its start whatever that costs; the others count it as
+// a design to beat.
 void Descent::begin(const Eigen::VectorXd& start) {
   Eigen::VectorXd phi = from_nothing(g_, start);
   if (!g_.turns()) drop_idle(phi);
@@ -203,6 +208,9 @@ std::vector<WeightedAnalysis> Descent::binding_bounds() const {
   return all;
 }
 
+// T of what would happen to each triangle: a hole in the material or, in a weak phase, an inclusion of the weak
+// material; in the weak phase itself the strong material, whose sign is turned so that both say what taking material
+// away does.
 Eigen::VectorXd Descent::derivative() const {
   const Evaluated& e = *design_;
   const Mesh& mesh = e.cases.front().model.mesh;
@@ -270,6 +278,7 @@ const Eigen::VectorXd& Descent::distance() const {
   return *distance_;
 }
 
+// The objective's rate is without what volume costs in J: that belongs to the price.
 MovingDesign Descent::moving() const {
   const Rates& r = rates();
   return {g_.background, distance(), r.objective, r.bounded, g_.free_label()};
@@ -313,6 +322,8 @@ void Descent::drop_idle(Eigen::VectorXd& phi) const {
   drop_dangling(g_.background, bearing, 0.5 * g_.size, phi);
 }
 
+// Along the normal: the signed distance less the speed is the distance to the moved boundary, as far as the speed is
+// constant along normals.
 void Descent::move_boundary(Tried& t) {
   const LevelSetRequest& how = g_.r.level_set;
   const Rates& r = rates();
@@ -327,6 +338,8 @@ void Descent::move_boundary(Tried& t) {
   drop_idle(t.phi);
 }
 
+// The step of the fixed point starts from psi of the step before, not from what was drawn of it: drawing loses what is
+// thinner than the mesh.
 void Descent::turn(Tried& t) const {
   const Eigen::VectorXd T = derivative();
   const FixedPoint f = fixed_point(
@@ -358,6 +371,7 @@ Descent::Tried Descent::attempt() {
     std::optional<double> wanted;
     // Where less material is better everywhere the area is not held.
     const double area = negative_area(g_.background.mesh, t.phi);
+    // The area is held where material is worth more than it costs; otherwise less of it is better.
     if (g_.limited && (g_.turns() || t.step.price > g_.price || area > t.allowed)) wanted = t.allowed;
     if (wanted && !g_.turns()) t.phi = with_area(g_.background, t.phi, *wanted);
     ++s_.solves;
@@ -397,6 +411,7 @@ double Descent::own_residual() const {
   }
 }
 
+// A row of the history, with its residual: what the step from here asks for is kept for it.
 void Descent::show(Design design, std::vector<std::string> notes) {
   design_ = std::move(design);
   rates_.reset();
@@ -429,6 +444,7 @@ std::vector<std::string> new_of(const std::vector<std::string>& notes, const std
   return fresh;
 }
 
+// A step was made: its notes, the radius for the next one, and whether it is the best so far.
 void Descent::take(Tried& t) {
   const double before = merit();
   if (t.nucleated) log_nucleated(t, {});
@@ -494,6 +510,7 @@ void Descent::keep_if_best() {
   s_.track.push_back(value(s_.best));
 }
 
+// The radius and the turn are halved; the row has the step that was tried, and no design.
 void Descent::refuse(const Tried& t, double rise) {
   const std::string why = t.drawing.design
                               ? fmt::format("refused: merit would rise by {:.2g} %", 100 * rise / std::abs(merit()))
@@ -520,6 +537,7 @@ void Descent::refuse(const Tried& t, double rise) {
   s_.rows.push_back(std::move(row));
 }
 
+// Back to a design that was drawn before: nothing is solved.
 void Descent::go_back(const KeptDesign& to, const std::string& why) {
   s_.phi = to.phi;
   if (g_.turns()) s_.psi = to.phi;
@@ -619,6 +637,8 @@ bool Descent::follow_up() {
   return false;
 }
 
+// While the area falls, or holes appear by themselves, rises are followed up to ten times J: the first designs of less
+// area are worse in any case.
 void Descent::step() {
   ++s_.iteration;
   const bool free = !settled() || appearing();  // rises are followed
@@ -632,6 +652,9 @@ void Descent::step() {
     take(t);
 }
 
+// What the next call does: a trial nucleation is closed when it has paid, after eight steps or at a tiny radius; the
+// end asks for the best design and then for a trial; four steps without a better design go back to the best with half
+// the radius.
 void Descent::decide() {
   constexpr int trial_steps = 8;
   const auto then = [&](Next next, std::string why) {
@@ -655,6 +678,7 @@ void Descent::decide() {
   }
 }
 
+// Out of iterations the best design comes back, and an open trial that has not paid is dropped.
 bool Descent::advance() {
   if (!s_.ended.empty()) return false;
   if (s_.iteration >= rules_.iterations) {

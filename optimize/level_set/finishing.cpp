@@ -88,6 +88,7 @@ bool can_finish(const Ground& g, const Descent& d) {
   return !g.weak() && d.settled() && g.r.max_iterations - d.progress().iteration > least_evaluations;
 }
 
+// A solve of the history is one of all load cases, as elsewhere in it.
 Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int cases) {
   Iteration i{.number = number,
               .objective = row.J,
@@ -105,6 +106,7 @@ Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int 
   return i;
 }
 
+// One evaluation is left for the curves on the mesh that the case asks for.
 FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& see,
                       const std::vector<CurvesRow>& known) {
   CurvesRequest how{.size = g.size,

@@ -30,6 +30,7 @@ constexpr double fine = 0.5;         // the canvas against the mesh of the body
 constexpr double strip = 1.5;        // of canvas edges beside loads that stay solid
 constexpr double area_error = 1e-5;  // of the shape drawn, of the frame's area
 
+// Pieces and holes smaller than an edge of the canvas squared are dropped; what touches loads and supports is kept.
 Carving carving(const Ground& g, double coarse) {
   const double edge = (g.weak() ? 1 : fine) * g.size;
   Carving how{.spacing = coarse * g.size, .least_area = edge * edge, .keep = g.loaded, .holding = g.holding};
@@ -103,6 +104,7 @@ double length_of_designs(const Shape& frame, double mesh_size) {
 
 }  // namespace
 
+// The fixed point and the weak phase have no finer designs than the mesh: their boundary is not moved along normals.
 Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   Ground g{.p = p, .r = r};
   const LevelSetRequest& how = r.level_set;

@@ -52,6 +52,7 @@ DescentRules rules_of(const Ground& g) {
   return {.iterations = g.r.max_iterations};
 }
 
+// Solves of the ranking count in the history from its first row on.
 void LevelSetRun::begin() {
   const LevelSetStart start = best_start(ground_);
   DescentRules rules = rules_of(ground_);
@@ -180,6 +181,8 @@ bool LevelSetRun::is_as_told(const Evaluated& e, const Iteration& row) const {
                             [&](double told, double here) { return near(told, here, std::abs(here)); });
 }
 
+// Nothing of a checkpoint is believed: its fingerprint, the ranges of its numbers, and the design drawn and solved
+// again are compared.
 bool LevelSetRun::restore() {
   if (!place_.resume || place_.path.empty()) return false;
   const std::optional<Checkpoint> c = read_checkpoint(place_.path);

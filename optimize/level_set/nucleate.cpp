@@ -128,6 +128,8 @@ DrawnLoop drawn(const Loop& loop) {
 
 }  // namespace
 
+// A hole is one of its own where the drawn loop around the disc's center is round: no corner beyond 1.5 radii of its
+// area.
 std::vector<NucleatedHole> drawn_holes(std::span<const Disc> discs, const Shape& shape) {
   constexpr double round = 1.5;  // radii of the same area to the farthest corner: a square has 1.25
   std::vector<DrawnLoop> loops;

@@ -148,6 +148,7 @@ DescentState unpacked(const Checkpoint& c) {
   return s;
 }
 
+// Every number that the next step divides by, indexes with or takes a root of is looked at.
 void check_state(const DescentState& s, const StateSizes& of) {
   const auto kept = [&](const KeptDesign& d) {
     const bool none = d.phi.size() == 0;

@@ -113,6 +113,7 @@ ElasticProduct::ElasticProduct(const BackgroundMesh& background, double r) : imp
 ElasticProduct::~ElasticProduct() = default;
 ElasticProduct::ElasticProduct(ElasticProduct&&) noexcept = default;
 
+// The normal away from the boundary is the gradient of the distance, averaged at vertices by area and normed.
 Eigen::VectorXd ElasticProduct::extend(const BackgroundMesh& background, const EdgeCurve& curve,
                                        const Eigen::VectorXd& speed, const Eigen::VectorXd& distance) const {
   const Eigen::Index n = distance.size();

@@ -78,6 +78,7 @@ BoundaryRate boundary_rate(const Evaluated& e, std::span<const WeightedAnalysis>
     density.push_back(rate[static_cast<std::size_t>(edge)] / (b - a).norm());
   }
   const Eigen::Index n = static_cast<Eigen::Index>(density.size());
+  // Per edge the integral of the density over its length: two Gauss points become one value.
   r.density = Eigen::Map<const Eigen::VectorXd>(density.data(), n);
   r.length.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -117,6 +118,7 @@ struct Members {
   }
 };
 
+// Values per edge go to the points of the curve by the product of (L.4) and come back as means of both ends.
 Eigen::VectorXd without_short_waves(const BoundaryRate& rate, double r, const Eigen::VectorXd& values) {
   const Eigen::VectorXd at = smooth_along(rate.curve, rate.length, r, values);
   Eigen::VectorXd calm(values.size());
@@ -127,6 +129,7 @@ Eigen::VectorXd without_short_waves(const BoundaryRate& rate, double r, const Ei
   return calm;
 }
 
+// half is looked for up to what matters: four smoothing lengths, or the smallest feature.
 Members members_of(const MovingDesign& of, const StepLimits& limits) {
   const BoundaryRate& rate = of.objective;
   const Eigen::Index n = rate.density.size();
@@ -234,6 +237,7 @@ Eigen::VectorXd multipliers_of(const Members& m) {
 }
 
 /// Root mean square along what can move of (gain - price)/price without its short waves [theory: L.10].
+/// int of the square of a linear function with the ends a, b over an edge: length (a^2 + a b + b^2)/3.
 double shape_residual(const Eigen::VectorXd& gain, double price, const Members& m) {
   const BoundaryRate& rate = m.of.objective;
   // Without a price nothing but a vanishing gain is optimal.
@@ -277,6 +281,8 @@ BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, 
   s.price = price_at(multiplier, m);
   s.multiplier.assign(multiplier.begin(), multiplier.end());
   s.residual = shape_residual(m.total(m.gain, multiplier), s.price, m);
+  // The speed is smoothed once more as a gradient in the product of the boundary; what must not move is set to 0
+  // afterwards.
   const Eigen::VectorXd moved =
       smooth_along(rate.curve, rate.length, limits.smoothing, speed_at(s.price, multiplier, m));
   Eigen::VectorXd v(rate.density.size());

@@ -24,6 +24,7 @@ namespace kerf {
 namespace {
 
 /// Signed distance to a body inside the frame.
+/// By all distances: it is made once per run.
 Eigen::VectorXd distance_to(const Ground& g, const Shape& body) {
   std::vector<Polygon> loops;
   const auto add = [&](const Loop& loop) {
