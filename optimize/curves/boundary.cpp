@@ -30,6 +30,7 @@ constexpr double facing = 0.5;         // cosine between a normal and the way ac
 constexpr double at_the_frame = 0.25;  // of the mesh size: between samples where a corner may come in between
 constexpr double neighborhood = 2.2;   // what is nearer along the boundary than this many distances is no other side
 
+// Gauss points and weights on [0, 1].
 constexpr std::array<std::array<double, 2>, 3> three_points{
     {{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
 
@@ -62,6 +63,7 @@ void add_chain(const DesignCurves& d, Index c, Index loop, double step, double& 
   }
 }
 
+// Like those of a chain; on the arc of an ellipse the parts are equal in its parameter, not in length.
 void add_side(const Side& side, const Vec2& end, Index loop, double step, double& s, Samples& out) {
   const double l = side.arc ? length(*side.arc) : (end - side.start).norm();
   const int n = std::max(1, int(std::ceil(l / step)));
@@ -79,6 +81,7 @@ void add_side(const Side& side, const Vec2& end, Index loop, double step, double
   s += l;
 }
 
+// A chain takes two sides of the drawn loop per segment, a side of the frame one.
 Samples samples_of(const DesignCurves& d, double step) {
   const Shape shape = shape_of(d);
   Samples out;
@@ -120,6 +123,7 @@ class Cells {
     const Sample& a = samples_.all[i];
     double least = within;
     Index found = none;
+    // Cells are as large as the distance looked for, so that the nine around the sample hold all.
     const auto [x, y] = cell(a.at);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy) {
@@ -150,6 +154,7 @@ class Cells {
   std::map<std::pair<long, long>, std::vector<std::size_t>> cells_;
 };
 
+// The rate of direction . x of the sample by the variables of its chain; fixed samples have none.
 VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& direction) {
   VectorXd row = VectorXd::Zero(d.variables);
   if (s.chain == none) return row;
@@ -173,6 +178,7 @@ void add_widths(const DesignCurves& d, const Samples& samples, const Clearances&
         continue;  // said by the other one
       const Vec2 way = b.at - a.at;
       const double distance = way.norm();
+      // The width shrinks by n . (move of a - move of b); what is thinner than the least may not get thinner.
       rows.add(move_along(d, a, way / distance) - move_along(d, b, way / distance),
                distance - std::min(how.least, distance));
     }
@@ -220,6 +226,8 @@ struct Fence {
   std::vector<Vec2> corners;  // that point into it
   double near;
 
+  // `flatten` turns all loops counter-clockwise: a corner that points into the body is a right turn of the outline or a
+  // left turn of a hole.
   Fence(const Shape& frame, double chord) : near(1e-3 * chord) {
     const auto add = [&](const Loop& loop, double side) {
       loops.push_back(flatten(loop, chord, infinity).points);
@@ -239,6 +247,7 @@ struct Fence {
   }
   bool has(const Vec2& x) const {
     if (touches(x)) return true;
+    // Even-odd over all loops: inside the outline and in no hole.
     bool in = false;
     for (const std::vector<Vec2>& loop : loops) in = in != inside(loop, x);
     return in;
@@ -289,6 +298,7 @@ void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, L
   for (const Sample& s : samples_of(d, at_the_frame * how.size).all) {
     if (s.chain == none) continue;
     if (fence.touches(s.at)) {
+      // On the frame itself: only inwards.
       rows.add(move_along(d, s, -s.left), 0);
       continue;
     }
@@ -300,6 +310,7 @@ void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, L
     keep(near.sample, near.way, !near.beyond);
 }
 
+// The boundary keeps 0.02 mesh sizes off what must stay solid, and half an element off regions and cracks.
 void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame, const std::vector<Loop>& frozen,
                const Clearances& how, LinearRows& rows) {
   const double chord = 1e-3 * how.size;
@@ -342,6 +353,7 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
     double unit = 1;
     const double a = coordinate(pair.first, unit), b = coordinate(pair.second, unit);
     VectorXd row = VectorXd::Zero(d.variables);
+    // (b + s_b) - (a + s_a) >= least, in lengths; on the arc of an ellipse by the unit at the second end.
     row[d.holds[std::size_t(pair.first.chain)][std::size_t(pair.first.knot)].offset] += 1;
     row[d.holds[std::size_t(pair.second.chain)][std::size_t(pair.second.knot)].offset] -= 1;
     rows.add(std::move(row), std::max(0.0, (b - a - pair.least) * unit));
@@ -403,6 +415,7 @@ void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearR
       const double sign = last ? -1 : 1, c_ = std::cos(knot.angle), s_ = std::sin(knot.angle);
       const double sine = sign * in.dot(Vec2(c_, s_));
       VectorXd row = VectorXd::Zero(d.variables);
+      // d sine / d angle, negated: row . step <= sine - least.
       row[d.holds[c][k].angle] = -sign * in.dot(Vec2(-s_, c_));
       rows.add(std::move(row), sine - std::min(least, sine));
     }
@@ -438,6 +451,7 @@ NormalMoves normal_moves(const DesignCurves& d) {
       for (const auto& [part, weight] : three_points) {
         const ChainPoint p = point_on(d.chains[c], {arc, part});
         const Vec2 left(-p.tangent.y(), p.tangent.x());
+        // v = left . dx, positive into the body.
         row.setZero();
         add_by_segment(d, Index(c), arc / 2, left.transpose() * p.by, row);
         m.by.row(i) = row;
@@ -451,6 +465,7 @@ NormalMoves normal_moves(const DesignCurves& d) {
 }
 
 void steady(MatrixXd& form, const std::vector<bool>& angles, double little) {
+  // Lengths and angles have entries of different units: each gets a share of the mean of its own.
   for (const bool kind : {false, true}) {
     std::vector<Eigen::Index> these;
     for (Eigen::Index i = 0; i < form.rows(); ++i)
@@ -506,6 +521,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     std::vector<Eigen::Index> at;
     for (Eigen::Index i = 0; i < m.by.rows(); ++i)
       if (m.chain[std::size_t(i)] == Index(c)) at.push_back(i);
+    // d/ds| from the pairs K x = lambda M x of the chain, K = int v'w' ds by differences between Gauss points.
     const MatrixXd V = m.by(at, mine);
     const VectorXd w = m.weight(at);
     MatrixXd M = transposed_multiply(w.asDiagonal() * V, V), K = MatrixXd::Zero(M.rows(), M.cols());
@@ -519,11 +535,13 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     }
     const auto [values, vectors] = eigenpairs(K, M);
     const MatrixXd MV = multiply(M, vectors);
+    // M X sqrt(lambda) X' M is the form F with F M^-1 F = K.
     guess(mine, mine) += multiply_transposed(undulation * MV * values.cwiseMax(0).cwiseSqrt().asDiagonal(), MV);
   }
   return guess;
 }
 
+// At samples and at the corners of the frame between them.
 double overhang(const DesignCurves& d, const Shape& frame, double size) {
   const Fence fence(frame, 1e-3 * size);
   double most = 0;

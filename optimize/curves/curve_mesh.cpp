@@ -61,6 +61,8 @@ void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& m
     }
 }
 
+// Every vertex on an edge with the label of the design belongs to the chain that comes nearest to it, at the place of
+// its foot.
 std::vector<CurveFollower> followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh) {
   std::vector<CurveFollower> all;
   std::vector<Vec2> points;
@@ -86,6 +88,7 @@ std::vector<CurveFollower> followers(const DesignCurves& d, const Shape& shape, 
   return all;
 }
 
+// Where the followers are on the curves d, which have the same knots as those the mesh was made for.
 Points positions(const std::vector<CurveFollower>& followers, const DesignCurves& d) {
   const Shape shape = shape_of(d);
   Points x(2, Eigen::Index(followers.size()));
@@ -110,6 +113,7 @@ CurveMesh curve_mesh(const DesignCurves& d, const Sizing& sizing) {
   return {std::move(mesh), std::move(f), std::move(extension), std::move(angles), std::move(start)};
 }
 
+// Only the followers are given: the extension moves all other vertices.
 std::optional<Mesh> moved(const CurveMesh& m, const DesignCurves& d) {
   Points motion = Points::Zero(2, Eigen::Index(m.mesh.points.size()));
   const Points to = positions(m.followers, d);
@@ -118,6 +122,8 @@ std::optional<Mesh> moved(const CurveMesh& m, const DesignCurves& d) {
   return carry(m.extension, m.mesh, m.angles, motion, most);
 }
 
+// dJ/dvariable = sum over followers of pull . dx/dvariable, pull the force on the vertices carried back by the
+// transposed extension.
 Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Points& force) {
   const Points on_given = gather(m.extension, force);
   const Shape shape = shape_of(d);

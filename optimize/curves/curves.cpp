@@ -100,6 +100,7 @@ class CurvesRun {
       : p_(p), asked_(r), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(curve_size(p, how)) {
     whole_ = area(p.frame);
     volume_price_ = price_of_volume(p, r) + r.volume_penalty;
+    // An area of the whole frame bounds nothing.
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_step * size_;
@@ -208,6 +209,7 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());
   x.by_J = VectorXd::Zero(x.curves.variables);
+  // Each bound holds in every load case by itself; J is the weighted sum over the cases.
   const auto nb = Eigen::Index(r_.bounds.size() * e->cases.size());
   x.bound.resize(nb);
   x.by_bound.resize(x.curves.variables, nb);
@@ -289,6 +291,7 @@ std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::share
   return x;
 }
 
+// With the values and gradients that a replay takes instead of a solve.
 CurvesRow CurvesRun::row_of(const Point& x) const {
   CurvesRow row{.J = x.J,
                 .area = x.area,
@@ -315,6 +318,8 @@ double CurvesRun::violation(const Point& x) const {
   return violation_of(r_, x.bounds, x.area / whole_);
 }
 
+// c(x) + c'(x) step <= 0 for area and bounds. Distances that could come within their limits in a step of both sides,
+// two radii, are among the geometry.
 Linearized CurvesRun::linearized(const Point& x) const {
   const double least = how_.min_feature > 0 ? how_.min_feature : size_;
   const LinearRows geometry = clearance_rows(
@@ -355,6 +360,7 @@ void CurvesRun::weigh(Point& x) const {
       quadratic_step(M, gradient(x), all.A(active, Eigen::all), VectorXd::Zero(Eigen::Index(active.size())));
   x.price = volume_price_;
   if (bounded_ && !active.empty() && active.front() == 0) x.price += s.multiplier[0];
+  // Root mean square over the chains: the norm in M over the root of their length.
   const double of_all = std::abs(x.J) / x.area, unit = x.price > no_price * of_all ? x.price : of_all;
   x.residual = VectorXd(M.matrixL().transpose() * s.step).norm() / std::sqrt(moves.length) / unit;
 }
@@ -369,6 +375,7 @@ double CurvesRun::merit(const Point& x) const {
 }
 
 /// By how much the merit should fall: by the quadratic model of the Lagrangian and the area that is known.
+/// Its penalty takes the bounds as linear, as the program of the step does, and the area as it is.
 double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   double fall = -gradient(x).dot(step) - 0.5 * step.dot(B_ * step);
   if (bounded_) {
@@ -383,11 +390,13 @@ double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   return fall;
 }
 
+// Multipliers and penalties begin at 0 with it.
 void CurvesRun::begin_curvature(const Point& x) {
   const NormalMoves moves = normal_moves(x.curves);
   // Without a price, what the derivative itself is worth.
   const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
   const VectorXd g = gradient(x);
+  // The root mean square of dJ/dn over the chains.
   const double rate = std::sqrt(g.dot(kerf::solve(M, g)) / moves.length);
   B_ = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
   steady(B_, angles_of(x.curves), 1e-9);
@@ -397,6 +406,7 @@ void CurvesRun::begin_curvature(const Point& x) {
 
 /// Damped BFGS of the Lagrangian [Powell 1978].
 void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) {
+  // Derivatives of the Lagrangian at both ends with the multipliers of the step; the geometry is taken as linear.
   VectorXd y = gradient(to) - gradient(from);
   if (bounded_) y += multiplier_[0] * (to.by_area - from.by_area);
   for (Eigen::Index k = 0; k < to.bound.size(); ++k)
@@ -419,6 +429,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   ChainLimits most;
   for (const double part : share_) {
     most.radius.push_back(part * radius);
+    // Below a third of the mesh size the radius shortens turns as it does moves.
     most.turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
   }
   // Rows before `front` are area and bounds, those behind it the geometry.
@@ -435,6 +446,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   for (int round = 0; round < most_rounds; ++round) {
     LinearRows beyond = too_far(x.curves, moves, s.step, most);
     const VectorXd there = multiply(all.A, s.step);
+    // Rows of the geometry enter where the step violates them: few of them matter to it.
     for (Eigen::Index k = front; k < there.size(); ++k)
       if (!used[std::size_t(k)] && there[k] > all.room[k] + 1e-3 * radius) {
         beyond.add(all.A.row(k), all.room[k]);
@@ -466,6 +478,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   return s.step / std::max(1.0, furthest);
 }
 
+// The best is the cheapest that keeps all bounds; solutions are not kept with it, for memory.
 bool CurvesRun::show() {
   out_.rows.back().accepted = true;
   const auto cost = [&](const Point& x) { return x.J + r_.volume_penalty * x.area; };
@@ -495,6 +508,7 @@ VectorXd CurvesRun::step_to_shape() {
   for (int k = 0; k < most && !is_design(moved(x_.curves, step)); ++k) {
     bool found = false;
     for (std::size_t c = 0; c < share_.size(); ++c) {
+      // A chain is to blame that makes no design by its own step alone.
       VectorXd alone = VectorXd::Zero(step.size());
       for (const KnotHold& hold : x_.curves.holds[c]) {
         if (hold.offset != none) alone[hold.offset] = step[hold.offset];
@@ -600,6 +614,7 @@ bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
 }
 
 /// Knots that have come too close together or too far apart get even distances, which no mesh can follow.
+/// Near the end knots stay: others draw slightly other curves, on a new mesh.
 bool CurvesRun::space_anew() {
   least_residual_ = std::min(least_residual_, x_.residual);
   if (least_residual_ < settled) return true;
@@ -705,6 +720,7 @@ bool CurvesRun::leave_room() {
   return true;
 }
 
+// The fit is brought into the frame before anything is solved, and evaluated on a mesh of its own.
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);

@@ -154,6 +154,7 @@ void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t firs
   }
 }
 
+// Traces the loops of the carved shape into chains and sides, holds the ends, and numbers the variables.
 class Builder {
  public:
   Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
@@ -225,6 +226,7 @@ class Builder {
     d_.loops.push_back(std::move(made));
   }
 
+  // Knots at mouths of cracks, which the fit keeps among its points, only turn.
   Index add_chain(const Loop& loop, std::size_t begin, std::size_t end, bool closed) {
     const std::size_t n = loop.sides.size();
     std::vector<Vec2> points;
@@ -304,6 +306,7 @@ class Builder {
           if (d_.holds[c][k].rail == Index(r))
             all.push_back({d_.rails[r].at(d_.chains[c].knots[k].at), {Index(c), Index(k)}});
       std::sort(all.begin(), all.end(), [](const OnRail& a, const OnRail& b) { return a.coordinate < b.coordinate; });
+      // Lengths become coordinates by the rail's speed. Ends stay 3/4 of the gap off the ends of the rail.
       const double least = how_.least_gap / d_.rails[r].velocity(all.front().coordinate).norm();
       for (const OnRail& one : all) {
         KnotHold& hold = d_.holds[std::size_t(one.ref.chain)][std::size_t(one.ref.knot)];
@@ -315,6 +318,7 @@ class Builder {
     }
   }
 
+  // Per knot the move, where it has one, then the angle.
   void number_variables() {
     for (auto& holds : d_.holds)
       for (KnotHold& hold : holds) {
@@ -332,6 +336,7 @@ class Builder {
 };
 
 /// The side of a piece after the piece before it: where that is a chain it begins at its end.
+/// Its arc keeps center and axes, so that only its parameters change.
 Side side_after(const DesignCurves& d, const CurveLoop& loop, std::size_t i) {
   const std::size_t n = loop.pieces.size();
   Side side = loop.pieces[i].side;
@@ -398,6 +403,7 @@ DesignCurves design_curves(const Shape& frame, const Carved& carved, const Curve
   return Builder(frame, carved, how).build();
 }
 
+// Two arcs per segment in place of what was carved; sides of the frame between chains end where these do.
 Shape shape_of(const DesignCurves& d) {
   Shape shape = d.carved;
   for (std::size_t l = 0; l < d.loops.size(); ++l) {
@@ -417,6 +423,7 @@ Shape shape_of(const DesignCurves& d) {
   return shape;
 }
 
+// The drawn loop has one side per piece of the frame and two per segment before it.
 SideEnds side_ends(const DesignCurves& d, const Shape& shape, std::size_t l, std::size_t i) {
   const CurveLoop& loop = d.loops[l];
   const std::size_t n = loop.pieces.size();
@@ -442,6 +449,7 @@ std::vector<bool> angles_of(const DesignCurves& d) {
   return turns;
 }
 
+// Along normals and rails as they are before the step: a move is linear in the variables but for curved rails.
 DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
   DesignCurves next = d;
   for (std::size_t c = 0; c < d.chains.size(); ++c)
@@ -461,6 +469,7 @@ DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
   return next;
 }
 
+// Between knots that do not move freely, which stay.
 void even_out(DesignCurves& d) {
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
     std::vector<std::size_t> stay;  // an open chain has its ends among them
@@ -478,6 +487,7 @@ void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, con
   for (std::size_t end = 0; end < 2; ++end) {
     const std::size_t k = (segment + end) % d.chains[c].knots.size();
     const KnotHold& hold = d.holds[c][k];
+    // dx/doffset is the unit direction of the hold.
     const auto from = Eigen::Index(3 * end);
     if (hold.offset != none)
       sum[hold.offset] += by.segment<2>(from).dot(direction(d, hold, d.chains[c].knots[k]).transpose());
@@ -508,6 +518,7 @@ double area_of(const DesignCurves& d, VectorXd* by) {
       for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc)
         for (const auto& [part, weight] : five_points) {
           const ChainPoint p = point_on(d.chains[c], {arc, part});
+          // dA = -int left . dx ds: what moves into the body takes area from it.
           const Vec2 left(-p.tangent.y(), p.tangent.x());  // into the body
           add_by_segment(d, Index(c), arc / 2, -weight * p.speed * left.transpose() * p.by, *by);
         }

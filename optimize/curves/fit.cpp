@@ -15,6 +15,7 @@ namespace {
 
 constexpr double fit_tolerance = 0.2, knot_spacing = 3;  // mesh sizes
 
+// Boundaries that bear loads or that a functional is taken over.
 std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
   std::vector<Index> solid;
   for (const Scene& scene : scenes_of(p, r))
@@ -38,6 +39,7 @@ std::vector<Index> held_labels(const Problem& p, const OptimizeRequest& r) {
 
 }  // namespace
 
+// Functionals taken over a ring around a feature need its material.
 std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
   std::vector<Loop> all = r.level_set.frozen;
   const auto add = [&](const Functional& j) {

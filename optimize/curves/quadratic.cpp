@@ -25,6 +25,7 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
   for (Eigen::Index round = 0; round < 3 * n + 10; ++round) {
     Eigen::Index enter = -1;
     for (Eigen::Index i = 0; i < n; ++i)
+      // The one with the largest multiplier that it would have alone, gain over S_ii.
       if (!in[std::size_t(i)] && gain[i] > small && (enter < 0 || gain[i] / S(i, i) > gain[enter] / S(enter, enter)))
         enter = i;
     if (enter < 0) break;
@@ -64,9 +65,11 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
 }  // namespace
 
 QuadraticStep quadratic_step(const Eigen::LLT<MatrixXd>& H, const VectorXd& g, const MatrixXd& A, const VectorXd& b) {
+  // The minimum without constraints; with none that is all.
   const VectorXd free = -solve(H, g);
   if (A.rows() == 0) return {free, VectorXd()};
   // Rows of like size, so that one bound softens all.
+  // S = A H^-1 A' = (L^-1 A')' (L^-1 A').
   const MatrixXd half = solve_lower(H, A.transpose());
   const VectorXd size = half.colwise().norm().transpose().cwiseMax(1e-300);
   MatrixXd S = size.cwiseInverse().asDiagonal() * transposed_multiply(half, half) * size.cwiseInverse().asDiagonal();

@@ -24,6 +24,7 @@ double furthest_move(const NormalMoves& moves, const VectorXd& step, const Chain
   return worst;
 }
 
+// 1 is a step that uses all of what is allowed.
 double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step, const ChainLimits& most) {
   double worst = furthest_move(moves, step, most);
   for (std::size_t c = 0; c < d.holds.size(); ++c)
@@ -68,6 +69,7 @@ void make_reachable(VectorXd& room, Eigen::Index front, const std::function<doub
   const auto shorten = [&](Eigen::Index first, Eigen::Index count, double share, Eigen::Index rows) {
     auto some = room.segment(first, count);
     if (count == 0 || !(some.minCoeff() < 0)) return;
+    // A part of that step keeps to the violated rows shortened by it, and to those that have room.
     const double part = std::min(1.0, share / std::max(reach(room.tail(rows)), 1e-300));
     for (double& r : some)
       if (r < 0) r *= part;
