@@ -15,6 +15,8 @@ namespace kerf {
 
 namespace {
 
+// Piece v of the polygon runs from its point v to the next; it begins a curve where the piece before has another label
+// or turns into it at a corner.
 void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
   const Polygon p = flatten(loop, 1e-5 * size, size / 50);
   const std::size_t n = p.points.size();
@@ -38,6 +40,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
   Index here = none;  // the joint at the start of the next curve
   std::size_t v = first;
   std::vector<std::size_t> mine;
+  // Once around from the first beginning, so that no curve is cut in two.
   do {
     if (p.label[v] == label) {
       if (starts[v]) {
@@ -62,6 +65,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
       const std::size_t after = next(v);
       if (p.label[after] != label || starts[after]) {
         c.beside[1] = p.label[after];
+        // The last curve of a loop that is labeled all around ends at the joint where the first one begins.
         const bool closes = after == first && p.label[after] == label;
         here = closes ? line.curves[mine.front()].joint[0] : line.joints++;
         c.joint[1] = here;

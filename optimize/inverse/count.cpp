@@ -31,6 +31,7 @@ LeastSquares of_none(const Problem& p, const Readings& readings) {
   if (!certified(s)) throw Error(Fault::Numerics, "the body without defects could not be solved");
   VectorXd measured(2 * static_cast<Eigen::Index>(readings.at.size()));
   for (std::size_t i = 0; i < readings.at.size(); ++i)
+    // x and y in turn, as sensors read them.
     measured.segment<2>(2 * static_cast<Eigen::Index>(i)) = readings.displacement[i];
   LeastSquares fit{.readings = static_cast<int>(measured.size()), .state_solves = 1, .stopped = "nothing to fit"};
   fit.start = fit.end = (Sensors(m.mesh, readings).read(m, s) - measured).squaredNorm();
@@ -135,6 +136,7 @@ Design copies(const Design& design, int count) {
   return out;
 }
 
+// From none upwards; numbers that fail count as ones that bring nothing.
 Count count_defects(const Problem& problem, const OptimizeRequest& request, const Readings& readings, int at_most) {
   if (request.design.drawn.size() != 1)
     throw Error(Fault::Usage, "to count defects the design draws one of them, which is copied");

@@ -37,6 +37,7 @@ VectorXd as_circle(const Loop& loop, double size) {
   const Vec2& origin = p.points[0];
   for (std::size_t i = 0; i < p.points.size(); ++i) {
     const Vec2 a = p.points[i] - origin, b = p.points[(i + 1) % p.points.size()] - origin;
+    // Triangles from the first point: area and first moment without cancellation far from the origin.
     area += 0.5 * cross(a, b);
     moment += cross(a, b) / 6 * (a + b);
   }
@@ -96,6 +97,7 @@ std::string numbers(Sort sort, const VectorXd& v) {
 
 }  // namespace
 
+// Greedy pairs: with few things well apart the nearest two belong together.
 std::vector<Identified> identified(const Design& design, const VectorXd& x, const Problem& p, const Synthetic& truth) {
   const auto body = body_of(design, x, p);
   const std::vector<Thing> found = things(body.shape, body.scene, p),

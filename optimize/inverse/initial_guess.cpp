@@ -89,6 +89,7 @@ struct Hats {
     const Place p = nearest_place(line, x);
     const std::vector<Index>& nodes = node[static_cast<std::size_t>(p.curve)];
     const auto pieces = static_cast<Index>(nodes.size()) - 1;
+    // The place in pieces of the curve: 1 at its node, linear to its neighbors.
     const double s = std::clamp(p.arc / line.curves[static_cast<std::size_t>(p.curve)].arc.back(), 0.0, 1.0) * pieces;
     const Index i = std::min(static_cast<Index>(s), pieces - 1);
     return (nodes[static_cast<std::size_t>(i)] == k ? 1 - (s - i) : 0) +
@@ -124,6 +125,7 @@ Hats make_hats(const Shape& shape, Index label) {
   }
   h.mass.setZero(h.count, h.count);
   for (const Piece& p : pieces) {
+    // int phi_i phi_k of linear hats.
     h.mass(p.a, p.a) += p.length / 3;
     h.mass(p.b, p.b) += p.length / 3;
     h.mass(p.a, p.b) += p.length / 6;
@@ -150,6 +152,7 @@ struct GuessData {
     return whiten(derivatives(at, v.what, v.angle));
   }
 };
+// Hats for x first, then for y; value is that of int phi (u - u_m), so that b has the sign turned.
 GuessData read_data(const Shape& frame, const Support& measured, const Model& m, const Field& s) {
   const auto hats = std::make_shared<const Hats>(make_hats(frame, measured.label));
   std::vector<Term> readings;
@@ -208,6 +211,7 @@ struct Range {
   double area(double rc, double cc) const {
     return cc > 0 ? std::clamp(rc / cc, least, most) : least;
   }
+  // r|^2 - |r - a c|^2 = a (2 r.c - a c.c).
   double gain(double rc, double cc) const {
     const double a = area(rc, cc);
     return a * (2 * rc - a * cc);
@@ -294,6 +298,8 @@ struct Search {
   bool best_of(std::size_t i, std::size_t k) {
     const Dictionary &d = *dictionary[i], &e = *dictionary[k];
     const Range first = range(i), second = range(k);
+    // The unbounded optimum of two areas from the 2 x 2 normal equations bounds the gain; only pairs that may win are
+    // fitted within their ranges.
     const Eigen::VectorXd r = rest(i, k), rd = d.columns.transpose() * r, re = e.columns.transpose() * r;
     const auto explained = [](double a, double b, double ra, double rb, double aa, double bb, double ab) {
       return 2 * (a * ra + b * rb) - a * a * aa - b * b * bb - 2 * a * b * ab;
@@ -345,6 +351,7 @@ struct Search {
         moved = false;
         for (std::size_t i = 0; i < picks.size(); ++i) {
           const Eigen::VectorXd r = rest(i, i);
+          // Both ways along x and y, and of the angle where there is one.
           const int directions = sought[i].turns ? 6 : 4;
           for (int way = 0; way < directions; ++way) {
             Pick trial = picks[i];
@@ -387,6 +394,8 @@ struct Search {
     return sum;
   }
 
+  // One after the other first; then each again with the others held, then pairs at a time, for what one thing alone
+  // cannot gain.
   void find(double spacing) {
     picks.resize(sought.size());
     for (std::size_t i = 0; i < sought.size(); ++i)
@@ -440,6 +449,7 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
     if (!(left < 0.98 * least)) break;
     least = left;
     out.guesses = guesses;
+    // b - (change - predicted): what the expansion misses of the drawn guess [theory: I.3].
     search.b = data.b - change + search.predicted();
     search.refine(spacing);
   }
@@ -456,6 +466,7 @@ struct Wanted {
 };
 
 /// The most negative values of the map of the objective.
+/// Things in the order of the design; later ones keep off those that are placed.
 std::vector<Guess> best_of_map(const Functional& objective, const Analysis& a, const Wanted& wanted) {
   const auto& [design, sought, around, clear, spacing] = wanted;
   std::vector<Guess> guesses;
@@ -543,6 +554,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
   out.solves = 1;
   const Surroundings around = surroundings(m.mesh, p.objective);
   const Wanted wanted{design, sought, around, clear, extent(p.frame) / 60};
+  // The first term that is compared with data gives the readings.
   const auto with_data = std::find_if(p.objective.terms.begin(), p.objective.terms.end(),
                                       [](const Term& term) { return term.measured.has_value(); });
   if (with_data == p.objective.terms.end()) {

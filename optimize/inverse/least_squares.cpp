@@ -122,6 +122,7 @@ VectorXd Fit::begin_round(const VectorXd& x) {
   return *r;
 }
 
+// Basis Q of quotients and r, then exact derivatives of the readings q_k'u by adjoints on the same mesh [theory: I.5].
 Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   MatrixXd quotients(r.size(), x.size() + 1);
   Eigen::Index columns = 0;
@@ -133,6 +134,7 @@ Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
     y[i] += y[i] + h <= upper_[i] ? h : -h;
     if (const std::optional<VectorXd> other = misfit(here_, y)) quotients.col(columns++) = (*other - r) / (y[i] - x[i]);
   }
+  // With r among the columns G p is the exact slope of chi^2/2.
   quotients.col(columns++) = r;
   for (Eigen::Index k = 0; k < columns; ++k)
     if (const double size = quotients.col(k).norm(); size > 0) quotients.col(k) /= size;
@@ -222,8 +224,10 @@ bool Fit::improve(VectorXd& x, VectorXd& r) {
   const double allowed = violation(x);
   for (int trial = 0; trial < most_trials; ++trial, damping_ = std::max(10 * damping_, 1e-6)) {
     const VectorXd d = step(l, x, damping_), y = (x + d).cwiseMax(lower_).cwiseMin(upper_);
+    // The fall of |p|^2 = |r|^2 by the linear model; |p|^2/N is the variance that `settled` is relative to.
     const double predicted = l.p.squaredNorm() - (l.p + l.G.transpose() * d).squaredNorm();
     if (!(predicted > settled * l.p.squaredNorm() / static_cast<double>(r.size()))) return false;
+    // No step may violate the geometry more than the design does already.
     if (violation(y) > allowed) continue;
     const std::optional<VectorXd> other = try_at(y);
     if (!other || !(other->squaredNorm() < r.squaredNorm())) continue;
@@ -246,6 +250,7 @@ void Fit::describe(const Linearized& l) {
   const auto n = static_cast<Eigen::Index>(free.size());
   out_.readings = static_cast<int>(measured_.size());
   out_.estimated = !(readings_.noise > 0);
+  // N - p degrees of freedom, one at least.
   const double left = std::max(1.0, static_cast<double>(measured_.size() - n));
   out_.noise = out_.estimated ? std::sqrt(out_.end / left) : readings_.noise;
   out_.covariance = MatrixXd::Zero(x.size(), x.size());
@@ -255,6 +260,7 @@ void Fit::describe(const Linearized& l) {
     size[k] = l.G.row(free[static_cast<std::size_t>(k)]).norm();
     J.col(k) = l.G.row(free[static_cast<std::size_t>(k)]).transpose() / size[k];
   }
+  // Of columns of length 1, for the sake of its condition; the lengths come back below.
   const MatrixXd inverse = solve_symmetric(transposed_multiply(J, J), MatrixXd::Identity(n, n));
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)
@@ -269,6 +275,7 @@ void Fit::describe(const Linearized& l) {
                                 : one.kind == Drawn::Kind::Spline ? 0
                                                                   : 1;
     for (Eigen::Index k = 0; k < places; ++k) {
+      // Semi-axes are sqrt(quantile lambda) along the eigenvectors, the longer one first.
       const Eigen::SelfAdjointEigenSolver<Mat2> axes(Mat2(out_.covariance.block<2, 2>(first + 2 * k, first + 2 * k)));
       const Vec2 along = axes.eigenvectors().col(1);
       out_.ellipses.push_back(
@@ -281,6 +288,8 @@ void Fit::describe(const Linearized& l) {
   }
 }
 
+// Each round is on a mesh made for its first design; the misfit there differs from that of the round before by the
+// error of meshes.
 LeastSquares Fit::run(const VectorXd& start) {
   VectorXd x = start, r = begin_round(x);
   out_.start = r.squaredNorm();

@@ -36,6 +36,7 @@ Sensors::Sensors(const Mesh& mesh, const Readings& readings) : label_(readings.l
   }
 }
 
+// Traces are in the frame of their edge; the polynomials are those of Lagrange at its Gauss points.
 Eigen::VectorXd Sensors::read(const Model& m, const Field& s) const {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(spots_.size()));
   for (std::size_t i = 0; i < spots_.size(); ++i)
@@ -76,6 +77,7 @@ Term Sensors::weighted(const Model& m, const Eigen::VectorXd& weights) const {
     }
   std::erase_if(*edges, [](const OnEdge& e) { return e.coefficient.isZero(0); });
   Term term{.kind = "reading", .linear = true, .label = label_};
+  // A boundary point knows no edge: the one that it lies on is looked for.
   term.on_boundary = [edges, trace](const Vec2& x, const Vec2&, const Vec2& u) {
     Density out;
     for (const OnEdge& e : *edges) {

@@ -73,6 +73,7 @@ Vec2 interpolate(const Samples& s, const std::vector<Vec2>& u, double arc) {
     return 0.5 * (value(k + 1) - value(k - 1));
   };
   const double r = 1 - t;
+  // Hermite's cubic of two values and two slopes, slopes per spacing.
   return r * r * (1 + 2 * t) * value(i) + t * t * (1 + 2 * r) * value(i + 1) + r * r * t * slope(i) -
          r * t * t * slope(i + 1);
 }
@@ -89,6 +90,7 @@ std::vector<double> normal_numbers(unsigned seed, std::size_t count) {
   const auto round = [](double x) { return std::round(x * 1e9) / 1e9; };
   std::vector<double> out;
   while (out.size() < count) {
+    // [0, 1) shifted by half a step, so that no logarithm of 0 is taken; two normal numbers from two uniform ones.
     const double radius = std::sqrt(-2 * std::log(uniform())), angle = 2 * pi * uniform();
     out.push_back(round(radius * std::cos(angle)));
     if (out.size() < count) out.push_back(round(radius * std::sin(angle)));
@@ -96,6 +98,7 @@ std::vector<double> normal_numbers(unsigned seed, std::size_t count) {
   return out;
 }
 
+// Sensors at equal distances along each curve, shared at joints.
 Measurement measure(const Synthetic& s, int threads) {
   auto data = std::make_shared<SyntheticData>();
   data->line = boundary_line(s.true_shape, s.label);
@@ -138,6 +141,7 @@ Measurement measure(const Synthetic& s, int threads) {
   }
   for (const Vec2& u : out.exact) out.scale += u.squaredNorm();
   out.scale = std::sqrt(out.scale / (2.0 * static_cast<double>(out.exact.size())));
+  // Relative to the root mean square of a component over all sensors.
   const std::vector<double> noise = normal_numbers(s.seed, 2 * out.at.size());
   for (std::size_t i = 0; i < out.at.size(); ++i)
     out.displacement.push_back(

@@ -113,6 +113,7 @@ bool always_inside(const Thing& a, const DesignCurve& b, double least) {
   return true;
 }
 
+// c = 1 - d/least with dc = -dd/least, by the variables of both.
 Constraint apart(const Thing& a, const Thing& b, double least, const std::string& what, const Design& d) {
   const std::vector<Eigen::Index> first = first_variables(d);
   const auto begin = [&](const Thing& t) { return t.drawn == none ? 0 : first[static_cast<std::size_t>(t.drawn)]; };

@@ -24,6 +24,7 @@ const char* word(BodyPart part) {
   return part == BodyPart::Crack ? "crack" : part == BodyPart::Region ? "region" : "hole";
 }
 
+// Lower bounds, upper ones or starts of all things, one after the other.
 VectorXd joined(const Design& d, VectorXd Drawn::*member) {
   VectorXd all(variable_count(d));
   Eigen::Index first = 0;

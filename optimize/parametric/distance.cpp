@@ -23,8 +23,8 @@ Index pieces_of(const DesignCurve& c) {
 }
 
 /// Signed distances of the point x to all pieces of the polyline c; `sign` of what lies inside a closed one.
+/// A soft minimum of negative distances would be the longest way out: inside only the nearest piece counts.
 template <class Add>
-// A soft minimum of negative distances would be the longest way out: inside only the nearest piece counts.
 void to_pieces(const Vec2& x, const DesignCurve& c, bool container, const Add& add) {
   const bool in = c.closed && inside_polygon(c.points, x);
   const double sign = c.closed && in != container ? -1 : 1;
@@ -53,6 +53,7 @@ void to_pieces(const Vec2& x, const DesignCurve& c, bool container, const Add& a
 }
 
 /// Distances of the points of a to the pieces of b into `soft`, first and second argument swapped where asked.
+/// With d = |x - foot|: the foot is the share t of the way along its piece, so that its ends take 1 - t and t of -n.
 void points_to_pieces(const DesignCurve& a, const DesignCurve& b, bool container, bool swapped, SoftMinimum& soft) {
   for (std::size_t k = 0; k < a.points.size(); ++k)
     to_pieces(a.points[k], b, container, [&](Index i, const SegmentFoot& f, double sign) {
@@ -71,6 +72,7 @@ VectorXd product(const Matrix2Xd& by, const Vec2& direction, Eigen::Index size) 
   return by.cols() == 0 ? VectorXd(VectorXd::Zero(size)) : VectorXd(by.transpose() * direction);
 }
 
+// a - b| - r_a - r_b, or r_b - |a - b| - r_a inside of b.
 Distance disc_to_disc(const DesignCurve& a, const DesignCurve& b, const Apart& how) {
   const Vec2 away = a.center - b.center;
   const double d = away.norm(), sign = how.container ? -1 : 1;
@@ -123,6 +125,7 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
   const Eigen::Index na = how.by_a, nb = how.by_b;
   const bool container = how.container;
   if (a.disc && b.disc) return disc_to_disc(a, b, how);
+  // The center of a disc against pieces of a polyline, less the radius.
   SoftMinimum soft(how.width, na, nb);
   if (a.disc) {
     to_pieces(a.center, b, container, [&](Index i, const SegmentFoot& f, double sign) {
@@ -137,6 +140,7 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
     return soft.sum();
   }
   if (b.disc) {
+    // Outside of each other the distance is the same both ways.
     if (!container) {
       Distance r = distance_between(b, a, {.width = how.width, .by_a = nb, .by_b = na});
       std::swap(r.by_a, r.by_b);

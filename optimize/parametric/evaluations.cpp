@@ -72,6 +72,7 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
 
 }  // namespace
 
+// Rows of constraints: volume, bounds each under all load cases, geometry.
 struct Evaluations::Impl {
   const Problem& problem;
   const OptimizeRequest& request;
@@ -192,6 +193,7 @@ struct Evaluations::Impl {
     for (std::size_t k = 0; k < base.followers.size(); ++k)
       on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers[k].vertex);
     *gradient = pull_back(design, base.followers, x, on);
+    // The stiffness of an inclusion moves no vertex: it has a derivative of its own [theory: S.6].
     auto region = static_cast<Index>(problem.frame.regions.size());
     const std::vector<Eigen::Index> first = first_variables(design);
     for (std::size_t k = 0; k < design.drawn.size(); ++k) {
@@ -303,6 +305,7 @@ void Evaluations::allow(const std::vector<double>& at_most) {
   impl_->at_most = at_most;
 }
 
+// By the bounds of the request, where those in force may be tighter.
 double Evaluations::violation_of_request(const DesignEvaluation& design) const {
   const Impl& s = *impl_;
   const VectorXd& values = design.evaluation.values;
@@ -321,6 +324,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   s.spare = std::exchange(s.last, nullptr);
   s.constrain(x, gradients, result);
   Evaluation& e = result.evaluation;
+  // What violates the geometry by more than half the distance is not meshed, but for a round's first design.
   if (const std::string close = s.worst_constraint(e); !close.empty() && !s.bases.empty()) {
     e.failure = close;
     return result;
@@ -348,6 +352,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   return result;
 }
 
+// Makes no mesh but a round's first: difference quotients would have the jump from mesh to mesh in them.
 Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& reading, const Asked& asked) {
   Impl& s = *impl_;
   Response out;
@@ -377,6 +382,7 @@ Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& rea
   return out;
 }
 
+// Only that bases are numbered and bounds scaled as they were; nothing is meshed.
 bool Evaluations::replay(const DesignEvaluation& known) {
   Impl& s = *impl_;
   s.last.reset();
@@ -388,6 +394,7 @@ bool Evaluations::replay(const DesignEvaluation& known) {
          (!good || (known.base != none && known.bounds.size() == s.request.bounds.size()));
 }
 
+// Where it is not the last one solved it is moved and solved again, on the mesh that it had.
 std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& design) {
   Impl& s = *impl_;
   const VectorXd& x = design.evaluation.x;
@@ -402,6 +409,7 @@ std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& 
   return s.last;
 }
 
+// Both designs on the mesh of one base, moved: the difference has no jump of meshes in it.
 Evaluations::Check Evaluations::check_derivatives(const DesignEvaluation& at, const VectorXd& direction, double step) {
   Impl& s = *impl_;
   const VectorXd& x = at.evaluation.x;

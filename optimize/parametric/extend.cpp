@@ -55,6 +55,7 @@ std::vector<Index> rows_in(std::span<const Index> sequence, const std::vector<bo
 }
 
 /// The matrix of the free vertices without its values.
+/// A column per free vertex: itself and its neighbors in larger rows.
 LowerTriangle pattern_of(const Mesh& mesh, const std::vector<Index>& row) {
   LowerTriangle inner;
   inner.size = static_cast<Index>(std::ranges::count_if(row, [](Index r) { return r != none; }));
@@ -109,6 +110,7 @@ Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
   return {std::move(sequence), std::move(row), std::move(inner), std::move(factor), std::move(couplings)};
 }
 
+// K u = -C given, per axis.
 Points extend(const Extension& e, const Points& motion) {
   Points all = motion;
   if (e.inner.size == 0) return all;
@@ -122,6 +124,7 @@ Points extend(const Extension& e, const Points& motion) {
   return all;
 }
 
+// given force - C' K^-1 (free force): work is the same, force . extend(motion) = gather(force) . motion.
 Points gather(const Extension& e, const Points& force) {
   Points all = force;
   if (e.inner.size == 0) return all;

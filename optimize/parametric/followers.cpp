@@ -89,6 +89,7 @@ Points positions(const Design& d, const std::vector<Follower>& f, const VectorXd
   return at;
 }
 
+// The force on a follower times the derivative of its position, thing by thing.
 VectorXd pull_back(const Design& d, const std::vector<Follower>& f, const VectorXd& x, const Points& force) {
   const std::vector<VectorXd> part = parts(d, x);
   const std::vector<Eigen::Index> first = first_variables(d);
@@ -101,6 +102,7 @@ VectorXd pull_back(const Design& d, const std::vector<Follower>& f, const Vector
   return sum;
 }
 
+// Cracks and inclusions take nothing from the body.
 double area_of_holes(const Design& d, const VectorXd& x, VectorXd* gradient) {
   if (gradient) gradient->setZero(x.size());
   const std::vector<VectorXd> part = parts(d, x);

@@ -220,6 +220,7 @@ void Run::weigh_up(const Evaluation& e) {
   }
 }
 
+// Failed ones count as evaluations too; of each failure one note is kept.
 const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
   if (const Evaluation* e = find(x, gradients)) return *e;
   auto e = std::make_unique<Evaluation>(program_.evaluate(x, gradients));
@@ -276,6 +277,7 @@ Evaluation Run::violations(const Evaluation& e) const {
   return sum;
 }
 
+// In z: derivatives are those by x times the widths of the boxes.
 double Run::objective(unsigned n, const double* z, double* gradient, void* self) {
   Run& run = *static_cast<Run*>(self);
   const Evaluation* e = run.guarded(z);
@@ -306,6 +308,7 @@ void Run::constraints(unsigned m, double* values, unsigned n, const double* z, d
   }
 }
 
+// A new NLopt object each time: its state, asymptotes and moves, begins anew.
 nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   const auto n = static_cast<unsigned>(free_.size());
   const auto m = static_cast<unsigned>(restoring_ ? 0 : program_.constraints);
@@ -319,6 +322,7 @@ nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   nlopt_set_lower_bounds(opt_, zero.data());
   nlopt_set_upper_bounds(opt_, one.data());
   if (m > 0) nlopt_add_inequality_mconstraint(opt_, m, constraints, this, tolerance.data());
+  // In shares of the boxes; for cobyla at least 1e-4.
   nlopt_set_xtol_abs1(opt_, simplex ? std::max(stop_.step, 1e-4) : stop_.step);
   nlopt_set_ftol_rel(opt_, stop_.value);
   if (simplex) nlopt_set_initial_step1(opt_, stop_.simplex);
@@ -361,6 +365,7 @@ bool Run::progress(const Evaluation& before) const {
   return gain > worth || (feasible() && was > stop_.feasibility);
 }
 
+// From the best design so far, until converged, by mma after the first end that is none; with six restarts at most.
 Minimum Run::minimize(OptimizeMethod method) {
   Minimum found;
   evaluate(start_, method != OptimizeMethod::Cobyla);
@@ -480,6 +485,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     above[k] = z / std::hypot(1, z);
     below[k] = (1 - z) / std::hypot(1, 1 - z);
   }
+  // A multiplier is weighed by how far its constraint is from its bound.
   for (Eigen::Index j = 0; j < m; ++j) complement[j] = std::max(0.0, -e.values[near[static_cast<std::size_t>(j)]]);
   // For given signs of the slopes a problem of nonnegative least squares. Any multipliers bound the residual.
   VectorXd multipliers = VectorXd::Zero(m), best = multipliers;
@@ -510,6 +516,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     if (left(next).norm() >= size * (1 - 1e-12)) break;
     multipliers = std::move(next);
   }
+  // Multipliers are the best in the mean of squares; what is told is the largest entry.
   const double residual = left(best).lpNorm<Eigen::Infinity>();
   return scale > 0 ? residual / scale : residual;
 }

@@ -52,6 +52,7 @@ VectorXd packed(const DesignEvaluation& t) {
   return v;
 }
 
+// A checkpoint may be broken: every count and number is looked at before it is used.
 DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
   NumberReader in(v);
   DesignEvaluation t;
@@ -173,6 +174,7 @@ class Rounds {
   double accepted_merit_ = nan, accepted_violation_ = nan;
 };
 
+// Evaluations are read in their order until a number is missing; nothing is solved.
 void Rounds::restore() {
   if (place_.path.empty() || !place_.resume) return;
   const std::optional<Checkpoint> found = read_checkpoint(place_.path);
@@ -218,6 +220,7 @@ void Rounds::write() {
 DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
   if (next_ < done_.size()) {
     const DesignEvaluation& known = done_[next_];
+    // To the last bit: the minimizer's questions follow from the answers before.
     const bool fits = known.evaluation.x.size() == x.size() && known.evaluation.x == x &&
                       known.evaluation.values.size() == 1 + evaluations_.constraints() &&
                       (known.evaluation.gradients.cols() > 0) == gradients &&
@@ -234,6 +237,7 @@ DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
   return done_[next_ - 1];
 }
 
+// One direction with all variables in it, the best of three steps, once per run; its outcome is in the checkpoint.
 void Rounds::check_derivatives(const DesignEvaluation& start) {
   if (!checked_) {
     constexpr double allowed = 1e-2;
@@ -451,6 +455,7 @@ bool Rounds::leave_room(const Iteration& row) {
   return true;
 }
 
+// Rounds go on from the best design of the one before, with a smaller simplex for cobyla.
 OptimizeResult Rounds::run() {
   restore();
   for (const FunctionalBound& bound : request_.bounds) at_most_.push_back(bound.at_most);
@@ -493,6 +498,7 @@ OptimizeResult Rounds::run() {
   return finish(found, best);
 }
 
+// The violation is by the request's own bounds, which those of the last rounds may be tighter than.
 OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
   Iteration row = result_.history[best];
   row.violation = evaluations_.violation_of_request(done_[evaluation_of_row_[best]]);

@@ -23,6 +23,7 @@ using Eigen::VectorXd;
 
 constexpr double bearable_start = 0.5;  // of a constraint on the geometry: minimizers lead back from there
 
+// Without constraints -infinity.
 double worst(const std::vector<Constraint>& all, const VectorXd& x, std::string* name) {
   double most = -infinity;
   for (const Constraint& c : all) {
@@ -40,6 +41,7 @@ double least_distance(const Problem& p, const OptimizeRequest& r) {
   return r.min_distance > 0 ? r.min_distance : mesh_size(p) / 2;
 }
 
+// Integrals over a ring around a feature need plain material in it.
 std::vector<Forbidden> forbidden_discs(const Problem& p, const OptimizeRequest& r) {
   std::vector<Forbidden> discs;
   const auto look = [&discs](const Functional& j) {
@@ -87,6 +89,7 @@ std::optional<VectorXd> repaired(const VectorXd& x, const Problem& p, const Opti
     e.values[0] = 0;
     for (Eigen::Index i = 0; i < y.size(); ++i) {
       const double width = upper[i] - lower[i];
+      // Fixed variables have no box to be measured in and stay.
       const double away = width > 0 ? (y[i] - x[i]) / width : 0;
       e.values[0] += 0.5 * away * away;
       e.gradients(i, 0) = width > 0 ? away / width : 0;

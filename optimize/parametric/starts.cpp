@@ -92,6 +92,7 @@ VectorXd vector_from(Unpacker& from) {
   return Eigen::Map<const VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
+// What try_start reads, in its order. A farm has problem and request.
 std::string task_of(const Design& design, int evaluations, const StartTried& tried) {
   Packer to;
   put(start_of(design), to);
@@ -142,6 +143,7 @@ bool better(const StartTried& a, const StartTried& b) {
 
 }  // namespace
 
+// The task says only where to begin and what was reached; problem and request are the caller's.
 std::string try_start(const Problem& problem, const OptimizeRequest& request, std::string_view task) {
   Unpacker from(task);
   auto [p, r] = compared(problem, request);

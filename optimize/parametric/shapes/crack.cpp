@@ -87,6 +87,7 @@ DesignCurve crack_boundary(const Drawn& d, const VectorXd& v, bool cut) {
   return c;
 }
 
+// 1 - |b - a|/least, t the direction of the edge.
 Constraint long_enough(const Drawn& d, Eigen::Index first, Eigen::Index i, double least) {
   return own_constraint(fmt::format("edge {} of {} is shorter than {:.4g}", i / 2 + 1, name(d), least), first,
                         d.lower.size(), [=](const VectorXd& v, VectorXd& by) {
@@ -99,6 +100,7 @@ Constraint long_enough(const Drawn& d, Eigen::Index first, Eigen::Index i, doubl
                         });
 }
 
+// fold - cos of the turn between two edges.
 Constraint without_fold(const Drawn& d, Eigen::Index first, Eigen::Index i) {
   return own_constraint(fmt::format("{} folds at its point {}", name(d), i / 2 + 2), first, d.lower.size(),
                         [=](const VectorXd& v, VectorXd& by) {
@@ -123,6 +125,7 @@ DesignCurve edge(const VectorXd& v, Eigen::Index at) {
   return c;
 }
 
+// Of edges that share no vertex; both belong to the same variables.
 Constraint edges_apart(const Drawn& d, Eigen::Index first, std::array<Eigen::Index, 2> at, double least) {
   const auto [i, k] = at;
   const Eigen::Index n = d.lower.size();

@@ -61,6 +61,7 @@ void add_area_of_ellipse(const VectorXd& v, double& area, VectorXd* gradient) {
   if (gradient) gradient->segment<2>(2) = pi * Vec2(v[3], v[2]);
 }
 
+// x = c + a cos t e1 + b sin t e2, with de1/dangle = e2 and de2/dangle = -e1.
 DesignCurve ellipse_boundary(const Drawn&, const VectorXd& v, bool) {
   DesignCurve c = fixed_polyline({}, true);
   const Vec2 first(std::cos(v[4]), std::sin(v[4])), second(-first.y(), first.x());

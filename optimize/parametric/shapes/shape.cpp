@@ -49,6 +49,7 @@ Constraint own_constraint(std::string what, Eigen::Index first, Eigen::Index cou
           }};
 }
 
+// dc/da = b/(|a||b|) - c a/|a|^2; of a vector without length no direction is known.
 double cosine(const Vec2& a, const Vec2& b, Vec2& by_a, Vec2& by_b) {
   const double la = a.norm(), lb = b.norm();
   if (!(la > 0) || !(lb > 0)) {

@@ -125,6 +125,7 @@ void add_area_of_spline(const VectorXd& v, double& area, VectorXd* gradient) {
     }
 }
 
+// Points on the curve itself, not on the polygon drawn: their number must not depend on the variables.
 DesignCurve spline_boundary(const Drawn&, const VectorXd& v, bool) {
   DesignCurve c = fixed_polyline({}, true);
   const Eigen::Index n = v.size();
