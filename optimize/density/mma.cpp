@@ -3,7 +3,7 @@
 // convex and separable, so that for multipliers lambda the minimizer is known per variable, x = (a L + b U)/(a + b)
 // with a^2, b^2 the sums of p, q. The dual is maximized by Newton steps along the path of a barrier. Asymptotes come
 // nearer where a variable swings and move away where it keeps going. With `reciprocal` L stays just below the lower
-// bound: compliances only fall with density [Fleury 1989], and moving asymptotes lost members at once. Violated
+// bound: compliances only fall with density [Fleury 1989], and moving asymptotes lose members at once. Violated
 // constraints have a price of 1000, beyond which a quadratic term takes them up, so that there is always a step.
 // Derived in docs/theory/density.md, section "Steps".
 

@@ -27,8 +27,8 @@ constexpr double least_faith = 0.1;
 constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> designs{
     {{"best", &DescentState::best}, {"anchor", &DescentState::anchor}}};
 
-template <typename State>
 // The order is that of the file.
+template <typename State>
 auto scalars(State& s) {
   return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled, s.next,
                   s.explore, s.residual);

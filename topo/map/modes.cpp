@@ -10,8 +10,8 @@ namespace {
 using Stress = Eigen::Vector3d;
 
 // The same point with every stress mapped, and with displacements or without.
-template <class Map>
 // The misfit of an inclusion is a part of its own and left out here.
+template <class Map>
 PointValues mapped(PointValues v, bool moved, const Map& map) {
   v.misfit = 0;
   for (Stress* s : {&v.stress, &v.dual, &v.measured}) *s = map(*s);
