@@ -47,6 +47,7 @@ struct Known {
   std::string unknown;  // kind of a term that it does not know; empty mostly
 };
 
+// Powers other than 1 and all other functionals are unknown to the lattice.
 Known known_part(const Functional& j) {
   Known k;
   for (const Term& term : j.terms)
@@ -88,6 +89,7 @@ struct Stage {
   bool surrogate = false;  // the compliance instead of functionals that the lattice does not know
 };
 
+// Areas become cells and compliances multiples of force^2/modulus, so that prices and bounds are those of the problem.
 Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cracks = false) {
   Stage s{make_lattice(p, r, cells, cracks), {}};
   const Lattice& l = s.lattice;
@@ -134,6 +136,7 @@ bool moves(const Problem& p, const Support& support) {
   return false;
 }
 
+// What the lattice would answer wrongly, or what has no minimum on it.
 std::optional<std::string> no_stage(const Problem& p, const OptimizeRequest& r, const Stage& s) {
   if (r.method != OptimizeMethod::LevelSet) return "it is made for a level set";
   for (const Support& support : p.scene.supports)
@@ -256,6 +259,7 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
 
 }  // namespace
 
+// The one that violates its bounds least first, then by the goal; equal ones in the order of the runs.
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r) {
   const double cells = cells_of(p, r);
   const bool cracked = has_cracks(p);

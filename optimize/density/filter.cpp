@@ -8,6 +8,7 @@
 
 namespace kerf {
 
+// Rows of the matrix w, compressed: cone weights times shares, summed to 1, of the cells of the body within the radius.
 LatticeFilter::LatticeFilter(const Lattice& lattice, double radius) : l_(lattice), start_{0} {
   const Index reach = static_cast<Index>(std::ceil(radius));
   for (const Index c : l_.cells) {
@@ -69,6 +70,8 @@ std::array<std::pair<Index, double>, 4> between_centers(Index columns, Index row
            {right + columns * up, s * t}}};
 }
 
+// The density at the mirror image of a center lies between four centers; where the image leaves the body it is the
+// cell's own.
 LatticeMirror::LatticeMirror(const Lattice& lattice) : l_(lattice) {
   if (!l_.mirror) return;
   for (const Index c : l_.cells) {

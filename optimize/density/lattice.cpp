@@ -215,6 +215,7 @@ class Builder {
   Lattice l_;
 };
 
+// Outlines in shares of the box, then in cells: rounding comes before anything is cut.
 Builder::Builder(const Problem& p, const OptimizeRequest& r, double cells) : p_(p), r_(r), scenes_(scenes_of(p, r)) {
   const double chord = 2e-5 * extent(p.frame);
   Outlines all = outlines(p.frame, chord);
@@ -242,6 +243,7 @@ std::vector<Vec2> Builder::polygon_of(const Loop& loop) const {
   return points;
 }
 
+// Moduli over the largest shear modulus, times the share of the cell in the body.
 void Builder::materials() {
   std::vector<std::vector<Vec2>> regions;
   for (const Loop& region : p_.frame.regions) regions.push_back(polygon_of(region));
@@ -265,6 +267,7 @@ void Builder::materials() {
       const double d = signed_distance(regions[i], l_.center(c));
       if (d < 0 && -d < smallest) smallest = -d, m = &p_.scene.regions.at(i);
     }
+    // lambda = bulk - mu with bulk = 1/(4c) over mu [theory: N.4], in units of mu.
     const double bulk = std::min(m->c > 0 ? 1 / (4 * m->c * m->mu) : infinity, stiffest_bulk);
     l_.mu[c] = rounded(m->mu / modulus_unit_) * share[c];
     l_.lambda[c] = rounded(bulk - 1) * l_.mu[c];
@@ -312,6 +315,7 @@ void Builder::supports() {
     });
 }
 
+// int of traction times the bilinear functions; body force stays per cell, since it goes with the density.
 void Builder::loads() {
   l_.force.setZero(2 * l_.nodes(), static_cast<Eigen::Index>(scenes_.size()));
   for (std::size_t k = 0; k < scenes_.size(); ++k) {
@@ -338,6 +342,7 @@ void Builder::loads() {
   l_.compliance_unit = largest * largest / modulus_unit_;
 }
 
+// What the level set keeps solid, by centers of cells, and the cells along labels that must stay.
 void Builder::solids() {
   l_.solid.assign(static_cast<std::size_t>(l_.part.size()), 0);
   std::vector<std::string> notes;
@@ -395,6 +400,7 @@ void Builder::neighbors() {
   }
 }
 
+// Cracks weaken moduli that are there already; forces need the units of the moduli.
 Lattice Builder::build(bool cracks) {
   materials();
   if (cracks) weaken_cracks();
@@ -418,6 +424,7 @@ bool has_cracks(const Problem& p) {
   return std::any_of(p.scene.laws.begin(), p.scene.laws.end(), opens);
 }
 
+// Least against largest eigenvalue of the 3 x 3 energy of rigid motions, lengths over the lattice's.
 std::optional<std::string> unsupported(const Lattice& l) {
   // The energy of the springs under rigid motions: positive definite where they hold the body.
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();

@@ -80,6 +80,7 @@ Eigen::VectorXd Approximation::solve() const {
       const Eigen::VectorXd d = solve_symmetric(matrix, slope + (barrier / lambda.array()).matrix());
       const Eigen::VectorXd e =
           (barrier / lambda.array()).matrix() - force - force.cwiseProduct(d).cwiseQuotient(lambda);
+      // At most 99 % of the way to where a multiplier or a slack would vanish.
       double share = 1;
       for (Eigen::Index k = 0; k < m; ++k) {
         if (d[k] < 0) share = std::min(share, -0.99 * lambda[k] / d[k]);
@@ -115,6 +116,7 @@ void Mma::move_asymptotes(const Eigen::VectorXd& x) {
   upper_ = x + distance.matrix();
 }
 
+// With p = (U - x)^2 df+ and q = (x - L)^2 df- the approximation has the derivative of its function at x.
 Eigen::VectorXd Mma::step(const Eigen::VectorXd& x, const MmaPoint& at) {
   move_asymptotes(x);
   const Eigen::ArrayXd range = high_ - low_, up = upper_ - x, down = x - lower_;
@@ -131,6 +133,7 @@ Eigen::VectorXd Mma::step(const Eigen::VectorXd& x, const MmaPoint& at) {
     // A thousandth of the other sign and 1e-5 per range keep every function strictly convex.
     a.p.col(i) = up.square() * (1.001 * more + 0.001 * less + 1e-5 / range);
     a.q.col(i) = down.square() * (0.001 * more + 1.001 * less + 1e-5 / range);
+    // And its value: the constants go to the right-hand side.
     if (i > 0) a.right[i - 1] += a.p.col(i).dot(up.inverse().matrix()) + a.q.col(i).dot(down.inverse().matrix());
   }
   before_that_ = before_;

@@ -93,10 +93,12 @@ double Stiffening::stiffness(double density) const {
 }
 
 double Stiffening::derivative(double density) const {
+  // d/drho of rho/(1 + q (1 - rho)) is (1 + q)/(1 + q (1 - rho))^2.
   const double below = 1 + exponent * (1 - density);
   return (1 - least) * (rational ? (1 + exponent) / (below * below) : exponent * std::pow(density, exponent - 1));
 }
 
+// Body force goes to the corners of its cell in equal parts, in proportion to the density.
 Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Stiffening& law,
                         const Eigen::VectorXd& density) {
   Eigen::VectorXd relative = Eigen::VectorXd::Zero(density.size()), slope = relative;
@@ -120,6 +122,7 @@ Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Sti
   return all;
 }
 
+// Gains per area; those of the wrong sign, by smoothing, count as none.
 Densities optimality_criteria(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal,
                               const Schedule& how) {
   const LatticeMirror mirror(l);
@@ -187,6 +190,8 @@ MmaPoint AsymptoteProblem::at(const LatticeFilter& filter, const Stiffening& law
   const Eigen::VectorXd density = this->density(filter, x);
   const Compliances now = compliances(l_, stiffness_, law, density);
   MmaPoint point;
+  // By the variables: smoothed where they are the densities, through the averages where these are. Solid cells have
+  // none.
   const auto by = [&](Eigen::VectorXd by_density) {
     for (const Index c : l_.cells)
       if (solid(l_, c)) by_density[c] = 0;
@@ -214,6 +219,7 @@ MmaPoint AsymptoteProblem::at(const LatticeFilter& filter, const Stiffening& law
 
 }  // namespace
 
+// Without an area that bounds it the body begins half full.
 Densities moving_asymptotes(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal,
                             const Schedule& how) {
   ShrinkingFilter filter(l, how);
@@ -235,6 +241,7 @@ Densities moving_asymptotes(const Lattice& l, const LatticePattern& pattern, con
   return d;
 }
 
+// Solid cells are above every level. The level that leaves at most the area, by bisection.
 Eigen::VectorXd black_and_white(const Lattice& l, const Eigen::VectorXd& density, double area) {
   constexpr int across = 4;
   constexpr int samples = across * across;

@@ -83,6 +83,7 @@ std::array<Index, 8> unknowns(const Lattice& l, const LatticePattern& pattern, I
 
 }  // namespace
 
+// Columns of the lower triangle list their rows; springs are added once, values of cells at each density.
 LatticePattern lattice_pattern(const Lattice& l) {
   LatticePattern pattern;
   Index count = 0;
@@ -124,6 +125,7 @@ LatticePattern lattice_pattern(const Lattice& l) {
   return pattern;
 }
 
+// One factor for all load cases; the symbolic part serves every density.
 Eigen::MatrixXd LatticeStiffness::displacements(const Eigen::VectorXd& relative, const Eigen::MatrixXd& force) {
   if (matrix_.size == 0) matrix_ = pattern_.empty;
   matrix_.values = pattern_.springs;

@@ -41,6 +41,7 @@ void append_text(std::string& out, std::string_view text) {
   out.append(text);
 }
 
+// Maps are in the order of their names, so that the same checkpoint has the same bytes.
 std::string encode(const Checkpoint& checkpoint) {
   std::string body;
   append_text(body, checkpoint.fingerprint);
@@ -95,6 +96,7 @@ struct Decoder {
   }
 };
 
+// The length is compared before the checksum: a file that is cut off is told apart from a damaged one.
 Checkpoint decode(std::string_view file, const std::filesystem::path& path) {
   Decoder in{file, path};
   // A file shorter than the magic is judged by what there is of it.
@@ -172,10 +174,12 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 void keep(const CheckpointPlace& place, Checkpoint checkpoint) {
   checkpoint.fingerprint = place.fingerprint;
+  // Where somebody else writes, the checkpoint goes along by value: the run goes on meanwhile.
   if (!place.write) return write_checkpoint(place.path, checkpoint);
   place.write([path = place.path, checkpoint = std::move(checkpoint)] { write_checkpoint(path, checkpoint); });
 }
 
+// No file is no error: there is nothing to resume.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
   const auto refuse = [&](const std::string& reason) {
     return Error(Fault::Files, fmt::format("cannot read the checkpoint '{}': {}", path.string(), reason));

@@ -15,6 +15,7 @@
 
 namespace kerf {
 
+// Loads of a case come on top of what the problem itself bears.
 std::vector<Scene> scenes_of(const Problem& p, const OptimizeRequest& r) {
   if (r.load_cases.empty()) return {p.scene};
   std::vector<Scene> scenes;
@@ -50,6 +51,7 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of) {
   return scene;
 }
 
+// J is summed over load cases with their weights, and with it the terms of volume.
 double price_of_volume(const Problem& p, const OptimizeRequest& r) {
   double price = 0, weights = r.load_cases.empty() ? 1 : 0;
   for (const Term& term : p.objective.terms)
@@ -99,6 +101,7 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
     for (std::size_t k = 0; k < e.bounded.size(); ++k) {
       const double value = analyze(e.bounded[k], c.model, c.state, true).value;
       e.by_case[k].push_back(value);
+      // A bound holds for the worst of the load cases.
       if (value > e.bounds[k]) {
         e.bounds[k] = value;
         e.worst[k] = static_cast<Index>(i);

@@ -158,6 +158,7 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
     try {
       return solved();
     } catch (const FoldedTriangle&) {
+      // Where a curved edge would fold a triangle all edges are straight.
       finer.sizing.curved = false;
       return solved();
     }
@@ -178,6 +179,7 @@ const Iteration& last_taken(std::span<const Iteration> rows) {
   return *std::find_if(rows.rbegin(), rows.rend(), [](const Iteration& i) { return i.accepted; });
 }
 
+// Infeasible before all else; optimal only with a finer design that could be solved; else why the loop ended.
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end) {
   const Iteration& row = end.row;
   const FinerDesign& finer = result.finer;

@@ -78,6 +78,7 @@ class CaseIntervals {
   Bounded operator()(const Functional& j) try {
     Bounded sum{.guaranteed = true};
     for (const Term& term : j.terms) {
+      // One term without an interval leaves the sum without one.
       const Bounded b = term.release_along      ? release_rate(term)
                         : term.stress_power > 0 ? stress(term)
                         : term.volume           ? volume()
@@ -99,6 +100,7 @@ class CaseIntervals {
     return {.value = e_.area, .lower = e_.area, .upper = e_.area, .guaranteed = true};
   }
 
+  // The square of the von Mises stress is a quadratic form of the stress, whose bounds follow from energies.
   Bounded stress(const Term& term) const {
     if (term.stress_power != 2)
       return no_interval(
@@ -115,6 +117,7 @@ class CaseIntervals {
     const std::optional<TipIntensity> tip = tip_of(term, e_.shape);
     if (!tip) return no_interval("no bound: it is the release rate along no crack of the design");
     if (!faces_) {
+      // Contact that is open everywhere has the state of the open crack, which is linear.
       if (open_everywhere(c_.model, c_.state)) opened_.emplace(opened(c_.model, threads_));
       faces_.emplace(opened_ ? opened_->model : c_.model, opened_ ? opened_->state : c_.state);
     }
@@ -145,6 +148,7 @@ Bounded worst(const Bounded& a, const Bounded& b) {
 
 }  // namespace
 
+// None where no bound can have one: the energies are not solved for.
 std::vector<Bounded> intervals_of(const Evaluated& e, int threads) {
   std::vector<Bounded> all(e.bounded.size(), no_interval({}));
   if (std::ranges::none_of(e.bounded, may_have_interval)) return all;

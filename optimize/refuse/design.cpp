@@ -60,9 +60,11 @@ std::optional<std::string> out_of_body(const Drawn& d, const Depth& depth) {
   switch (d.kind) {
     case Drawn::Kind::Circle:
     case Drawn::Kind::Inclusion:
+      // A disc fits where some center is as deep as its smallest radius.
       if (depth.most(l.head<2>(), u.head<2>()) < l[2]) return no_room(l[2]);
       break;
     case Drawn::Kind::Ellipse: {
+      // An ellipse holds the disc of its smaller semi-axis.
       const double least = l.segment<2>(2).minCoeff();
       if (depth.most(l.head<2>(), u.head<2>()) < least) return no_room(least);
       break;
@@ -101,6 +103,7 @@ double largest_area(const Drawn& d) {
   }
 }
 
+// Overlaps only leave more: the sum of the largest areas bounds what holes can take. Rounding has 1e-9.
 void look_at_volume(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const double frame = area(p.frame);
   double holes = 0;
@@ -144,6 +147,7 @@ void look_at_tips(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>
   for (const FunctionalBound& bound : r.bounds) look(bound.functional);
 }
 
+// Cobyla needs no derivatives, but what the design draws has to be known to the element, and a map its adjoint.
 void look_at_element(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const auto refuse = [&](Ability can, const std::string& what) {
     if (const auto why = refusal(p.element, can)) all.push_back({"solver.element", what + *why});

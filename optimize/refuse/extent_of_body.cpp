@@ -23,6 +23,7 @@ void Depth::add(const Loop& loop) {
     sides_.push_back({p.points[i], p.points[(i + 1) % p.points.size()]});
 }
 
+// The nearest side tells how far, the inside or outside its sign.
 double Depth::operator()(const Vec2& x) const {
   double least = infinity;
   for (const auto& [a, b] : sides_) least = std::min(least, squared_distance(x, a, b));
@@ -41,6 +42,7 @@ double Depth::most(const Vec2& low, const Vec2& high) const {
   return deepest + 0.5 * cell.norm() + chord_;
 }
 
+// Of the loop's chords, 1e-6 of its size off its arcs.
 std::array<Vec2, 2> box_of(const Loop& loop) {
   double size = 0;
   for (const Side& side : loop.sides)

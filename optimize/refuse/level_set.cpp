@@ -41,6 +41,7 @@ struct Lattice {
   }
 };
 
+// Squares, 200 along the longer side of the box.
 Lattice lattice_over(const Shape& body, double chord) {
   constexpr int across = 200;
   const auto [low, high] = box_of(body.outline);
@@ -130,6 +131,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
   for (int k = 0; k < l.rows; ++k)
     for (int i = 0; i < l.columns; ++i) {
       const auto at = static_cast<std::size_t>(l.at(i, k));
+      // Squares that surely lie outside are left out; all others may have some of the body.
       if (l.depth[at] < -slack) continue;
       const Vec2 x = l.middle(i, k);
       unholed[at] =
@@ -151,6 +153,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
     std::vector<int> out;
     for (int k = 0; k < l.rows; ++k)
       for (int i = 0; i < l.columns; ++i)
+        // A piece touches a side when some square of it comes within two slacks: more than surely touches.
         if (const int here = piece[static_cast<std::size_t>(l.at(i, k))];
             here >= 0 && std::ranges::find(out, here) == out.end() && sides.away(l.middle(i, k)) < 2 * slack)
           out.push_back(here);
@@ -185,6 +188,7 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
       if (depth < -slack) continue;
       const Vec2 x = l.middle(i, k);
       const bool in = std::ranges::any_of(masks, [&](const Depth& m) { return m(x) > slack; });
+      // Only squares that surely lie both in the body and in a frozen part.
       if (in && depth > slack) frozen += l.cell * l.cell;
       everything = everything && in;
     }
@@ -200,6 +204,7 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
                                *r.volume_at_most, share)});
 }
 
+// Lengths that no design of this body can keep.
 void look_at_lengths(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const double size = extent(p.frame);
   const auto [low, high] = box_of(p.frame.outline);

@@ -49,6 +49,7 @@ bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
   return true;
 }
 
+// Over the bounding box: more than the body, so that a 0 is proved.
 bool vanishes(const auto& f, const Shape& body) {
   if (!f.known()) return false;
   const auto [low, high] = box_of(body.outline);
@@ -84,6 +85,7 @@ void look_at_loads(const Problem& p, const OptimizeRequest& r, std::vector<Wrong
   }
 }
 
+// Without supports the displacement is known up to a rigid motion only, and what sees it is no number.
 void look_at_rigid_motions(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   if (!p.scene.supports.empty()) return;
   const auto look = [&](const Functional& j, const std::string& key, const std::string& where) {
@@ -128,6 +130,7 @@ void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wron
   }
 }
 
+// The first one tells enough; so with eigenstrains below.
 void look_at_interfaces(const Problem& p, std::vector<Wrong>& all) {
   const std::vector<bool> along = along_regions(p.frame);
   for (std::size_t k = 0; k < along.size(); ++k)
@@ -174,6 +177,7 @@ std::optional<std::string> wrong_volume(const Functional& objective, const Optim
   double price = 0;
   for (const Term& t : terms)
     if (t.volume) price += t.factor;
+  // Nothing but area to be made small.
   const bool area = std::ranges::all_of(terms, [](const Term& t) { return t.volume; });
   if (area && r.bounds.empty())
     return "[optimize]: the least volume is no body at all; add an [[optimize.bound]] on what the body has to bear, "
@@ -184,6 +188,7 @@ std::optional<std::string> wrong_volume(const Functional& objective, const Optim
   return std::nullopt;
 }
 
+// Measured displacements belong to one set of loads, and the ring of a release rate to one body force.
 std::optional<std::string> wrong_load_cases(const Functional& objective, const OptimizeRequest& r) {
   if (r.load_cases.empty()) return std::nullopt;
   const bool forces = std::ranges::any_of(r.load_cases, [](const LoadCase& l) { return static_cast<bool>(l.body); });
@@ -203,6 +208,7 @@ std::optional<std::string> wrong_load_cases(const Functional& objective, const O
   return std::nullopt;
 }
 
+// Everything that is wrong is told at once. What needs a body that can be drawn waits until there is one.
 std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   std::vector<Wrong> all;
   const bool drawable = !find_problem(p.frame);
