@@ -1,5 +1,9 @@
-// Averages over discs of cells with the weights s_d max(0, r - |x_c - x_d|), their transpose, the smoothed derivative
-// [Sigmund 1997; theory: P.5], and the mean of a density and its mirror image.
+// Averages over discs of cells with the weights w_cd = s_d max(0, r - |x_c - x_d|), normed to the sum 1 over d, s_d the
+// share of a cell in the body. They are rows of a sparse matrix over the cells of the body: averages are w x, their
+// transpose w' g carries derivatives back, and smoothed derivatives w (x g)/max(x, 1e-3) are derivatives of nothing,
+// but keep checkerboards away [Sigmund 1997; theory: P.5]. The mean of a density and its mirror image takes the image
+// of a center bilinearly from four centers; where it leaves the body a cell is its own image. Lengths are in cells.
+// docs/theory/density.md, section "Filters".
 
 #include "optimize/density/filter.hpp"
 

@@ -1,5 +1,8 @@
-// The table of drawn things looked up, and what several of them need: constraints on one thing, cosines, places on
-// polylines.
+// The table of drawn things looked up, and what several of them need: constraints on one thing, cosines with their
+// derivatives, places on polylines, names and boxes of points. A kind of thing is a row of functions (shape.hpp): how
+// many variables it has, what it draws, where vertices lie on it, what keeps it meshable; each is in a file of its own
+// here. Constraints of a thing see its own variables alone: `own_constraint` puts the derivative to where these stand
+// in the design. What is wrong with a thing is Error(Usage) with its name.
 
 #include "optimize/parametric/shapes/shape.hpp"
 
