@@ -78,6 +78,7 @@ double length_of(const Model& m, const Field& s) {
   return length;
 }
 
+// A unit force on each biactive row; what opens under it is a column of S [theory: A.12].
 OneSided one_sided(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   std::vector<Index> unknowns;
@@ -231,6 +232,7 @@ void require_no_eigenstrain(const Scene& scene) {
                 "leave it out");
 }
 
+// Loads under which a term has no derivative, or not the one that is coded: pressures in a ring, eigenstrains.
 void require_known_loads(const Functional& j, const Model& m) {
   const Scene& scene = m.scene;
   for (const Term& term : j.terms)
@@ -305,6 +307,7 @@ bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose
 
 }  // namespace
 
+// Where supports leave no rigid motion all is well; else a term must not see a piece that moves.
 void require_supports(const Functional& j, const Model& model) {
   if (model.inner->floating.empty() && model.inner->standing.slides.cols() == 0) return;
   const std::vector<bool> loose = loose_pieces(model);
@@ -318,6 +321,7 @@ void require_supports(const Functional& j, const Model& model) {
                               term.kind));
 }
 
+// A body in one piece: sums are what they are, and the adjoint is solved here.
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
   const WholeBody body{
       .sum = [](std::span<double>) {},
@@ -351,6 +355,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
     body.sum({&value, 1});
     return value;
   };
+  // Values are known with friction whatever its points do; derivatives only where that is decided.
   const bool friction = has_frictional_cracks(model.scene);
   if (friction && !value_only) require_friction_decided(j, model, state, body);
   if (std::any_of(model.scene.laws.begin(), model.scene.laws.end(),
@@ -394,6 +399,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
       continue;
     } else if (term.energy) {
       a.energy_share += term.factor;
+      // With friction the state is no minimum of the energy: its derivative by the slips is left.
       if (friction) a.derivative += scaled(term.factor, work_of_slips(state));
     } else {  // work, and self-adjoint
       a.energy_share -= 2 * term.factor;
@@ -402,6 +408,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
   if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
   if (value_only || empty(a.derivative)) return a;
   const TangentField adjoint = body.adjoint(a.derivative);
+  // Relative residual of the adjoint's system.
   constexpr double solved = 1e-6;
   if (!(adjoint.residual < solved))
     throw Error(Fault::Numerics, "the adjoint could not be solved for: its residual stays large");

@@ -42,6 +42,7 @@ Term misfit(Index label, BoundaryField measured) {
   return {.kind = "misfit", .measured = Support{.label = label, .value = std::move(measured)}};
 }
 
+// 1/2 w |u - u_d|^2; without a target u_d = 0, without a weight w = 1.
 Term displacement_tracking(VectorField target, ScalarField weight) {
   const bool varies = target || weight;
   return {.kind = "displacement_tracking",
@@ -55,6 +56,7 @@ Term displacement_tracking(VectorField target, ScalarField weight) {
           .uses_place = varies};
 }
 
+// The same over a part of the boundary, data depending on the normal as well.
 Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight) {
   return {.kind = "boundary_tracking",
           .label = label,
@@ -66,6 +68,7 @@ Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight)
           }};
 }
 
+// w d . u, linear: its derivative does not depend on the state.
 Term boundary_displacement(Index label, BoundaryField direction, BoundaryWeight weight) {
   return {.kind = "displacement",
           .linear = true,
@@ -116,6 +119,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
     const double r = d.norm();
     if (r >= outer) return Density{};
     const double t = (r - inner) / (outer - inner);
+    // 1 - 10 t^3 + 15 t^4 - 6 t^5 and its slope -30 t^2 (1 - t)^2 over the width of the ring.
     const double q = r <= inner ? 1 : 1 - t * t * t * (10 - 15 * t + 6 * t * t);
     const double slope = r <= inner ? 0 : -30 * t * t * (1 - t) * (1 - t) / (outer - inner);
     // grad theta = along (x) grad q; grad u from the mixed solution.

@@ -37,6 +37,7 @@ struct InTriangle {
   const Points& x;
   double eigenstrain = 0;  // Field::eigenstrain
 };
+// Fields that the term does not use stay empty.
 Sampled sample(const Term& term, const Model& m, const Eigen::Ref<const Eigen::VectorXd>& interior,
                const InTriangle& at) {
   Sampled p{at.x, material_of(m.mesh, m.scene, at.t)};
@@ -115,6 +116,7 @@ struct JumpPoint {
   double share;  // of the crack's length
   Index edge, unknown;
 };
+// At the Gauss points of the trace, where jump and force are unknowns; edges without a jump are left out.
 void along_crack(const Model& m, Index crack, const std::function<void(const JumpPoint&)>& at) {
   for (const CrackEdge& c : m.mesh.cracks[crack]) {
     if (m.inner->skeleton.jump[c.edge] == none) continue;
@@ -136,6 +138,7 @@ Field sum(const Field& a, const Field& b) {
   return s;
 }
 
+// Degree of the usual rule, or the points of a divided triangle where data vary.
 double over_body(const Term& term, const Model& m, const Field& s, const std::vector<bool>& use) {
   const TriangleRule usual = domain_rule(m);
   const RulesOfTerm rules(term, m);
@@ -189,6 +192,7 @@ void divide(const Triangle& shape, double share, const Singular& added, const Tr
   const std::array<Vec2, 3> middle = {0.5 * (shape.x[1] + shape.x[2]), 0.5 * (shape.x[2] + shape.x[0]),
                                       0.5 * (shape.x[0] + shape.x[1])};
   Triangle part = shape;
+  // The middle triangle and one at each corner, a quarter of the area each.
   part.x = middle;
   divide(part, 0.25 * share, added, rule, points);
   for (int i = 0; i < 3; ++i) {
@@ -333,6 +337,7 @@ Differentiated differentiated(const Term& term, const Model& m, const Field& s) 
   return d;
 }
 
+// Linear densities could take the change alone; this holds for all.
 double surface_difference(const Term& term, const Model& m, const Field& s, const Field& change) {
   double total = 0;
   if (term.on_boundary || term.on_crack) {
@@ -371,6 +376,7 @@ double mean_change(const Term& term, const Sampled& state, const Sampled& change
 
 }  // namespace
 
+// Of many changes of one triangle, by a rule of degree 5: the state is evaluated once.
 Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Index t, const Eigen::MatrixXd& changes) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(changes.cols());
   const Triangle shape = triangle(m, t);
@@ -386,6 +392,7 @@ Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Ind
   return sum;
 }
 
+// j(z + w) - j(z) - j'(z) w at the centroid: what is left beyond first order.
 Eigen::VectorXd second_order(const Term& term, const Model& m, const Field& s, Index t,
                              const Eigen::MatrixXd& changes) {
   Eigen::VectorXd rest = Eigen::VectorXd::Zero(changes.cols());
@@ -430,6 +437,7 @@ double domain_difference(const Term& term, const Model& m, const Field& s, const
   return total;
 }
 
+// Inside the disc of the singular field there is no body after the change: only what was there counts, negatively.
 double difference(const Term& term, const Model& m, const Field& s, const Field& change, const Singular& added) {
   double total = 0;
   if (term.density) {

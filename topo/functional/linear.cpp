@@ -49,6 +49,7 @@ void add_weights(double factor, const Term& term, Scene& loads) {
   });
 }
 
+// Energies, works and misfits are known; of the rest, first powers of what is linear in displacement and opening.
 std::string unknown(const Term& term) {
   if (term.energy || term.work || term.measured) return {};
   if (term.power != 1) return fmt::format("no bounds: \"{}\" is the power of an integral", term.kind);

@@ -30,6 +30,8 @@ struct Datum {
   Vec2 nothing = Vec2::Zero();
 };
 template <typename Field>
+// Data that are expressions; for others nothing is known between points. Values below 1e-13 of the largest are
+// rounding.
 std::vector<Datum<Field>> data_of(const std::vector<Field>& fields, const Mesh& mesh) {
   std::vector<Datum<Field>> data;
   for (const Field& f : fields)
@@ -98,6 +100,7 @@ struct CellOfData : PieceOfData {
   }
 };
 
+// Cells of one triangle in barycentric coordinates, cut until the points see the data.
 class Cells {
  public:
   Cells(const std::vector<Datum<VectorField>>& data, const Triangle& shape) : shape_(shape), data_(data) {
@@ -117,6 +120,7 @@ class Cells {
   }
 
  private:
+  // Four similar cells; nothing where they would be smaller than rounding.
   std::vector<CellOfData> parts(const CellOfData& c) const {
     constexpr double finest = 1e-12;
     std::vector<CellOfData> four;
@@ -128,6 +132,7 @@ class Cells {
     return four;
   }
 
+  // Size by the rule of degree 5; what it may miss by enclosures over the box of the cell.
   void look(CellOfData& c) const {
     static const TriangleRule rule = triangle_rule(5);
     const auto place = [&](const Vec2& l) -> Vec2 {
@@ -165,6 +170,7 @@ struct SpanOfData : PieceOfData {
   std::optional<Interval> cut = {};
 };
 
+// Parts of one edge, in shares of its length.
 class Spans {
  public:
   Spans(const std::vector<Datum<BoundaryField>>& data, const Model& m, Index edge)
@@ -198,6 +204,7 @@ class Spans {
   }
 
  private:
+  // Where an expression has a kink or jump its place is known as an interval: cut on both sides of that, else in half.
   std::vector<SpanOfData> parts(const SpanOfData& s) const {
     constexpr double finest = 0x1p-48;
     std::vector<double> ends{s.from, 0.5 * (s.from + s.to), s.to};
@@ -218,6 +225,7 @@ class Spans {
     return f(line_.a + s * (line_.b - line_.a), line_.n);
   }
 
+  // What eight points may miss follows from an enclosure of the eighth derivative.
   void look(SpanOfData& s) const {
     static const EdgeRule rule = gauss(data_points);
     const double h = s.to - s.from;
@@ -250,6 +258,7 @@ Vec2 middle(const Mesh& mesh, Index edge) {
 class MissedShare {
  public:
   template <typename Piece>
+  // Sums per component, and the triangle or edge that misses most of it.
   void add(const std::vector<Piece>& pieces, double measure, const Vec2& at) {
     std::vector<double> here(pieces[0].size.size(), 0);
     size_.resize(here.size(), 0);
@@ -304,6 +313,7 @@ RulesOfTerm::RulesOfTerm(const Term& term, const Model& m)
 
 RulesOfTerm::~RulesOfTerm() = default;
 
+// Nothing where the usual rule sees enough.
 std::optional<TriangleRule> RulesOfTerm::cut(Index t) const {
   if (data_->in_body.empty()) return std::nullopt;
   const Triangle shape = triangle(data_->model, t);
@@ -327,6 +337,7 @@ std::optional<TriangleRule> RulesOfTerm::cut(Index t) const {
   return all;
 }
 
+// The Gauss points of every span, ordered along the edge.
 EdgeRule RulesOfTerm::along(Index edge, int pieces) const {
   static const EdgeRule rule = gauss(data_points);
   const std::vector<SpanOfData> spans = Spans(data_->along, data_->model, edge).spans(pieces);

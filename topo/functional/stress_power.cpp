@@ -78,6 +78,7 @@ double around(Tables& tables, double p, const Perturbation& change, const FieldP
 
 }  // namespace
 
+// Copies of the term share the tables of its local part.
 Term stress_power(double p, ScalarField weight, bool plane_strain) {
   Term term{.kind = "stress_power"};
   term.uses_stress = true;

@@ -68,6 +68,7 @@ std::string unit_of_plate(const Units& units, const Dimension& of) {
   return product(power(units.stress, of.stress), power(units.length, length));
 }
 
+// Of a single functional; nothing is told of sums.
 std::optional<Dimension> dimension_of(const Functional& j) {
   if (j.sum || j.terms.empty()) return std::nullopt;
   const Term& term = j.terms.front();
@@ -95,6 +96,7 @@ Dimension per_area(const Dimension& j) {
   return {j.stress, j.length - 2};
 }
 
+// By the first unit of that name; pascals per unit do not depend on the length.
 std::string implausible(const Units& units, double young) {
   const auto found = std::ranges::find(stresses, units.stress, &Stress::name);
   if (found == stresses.end()) return "";

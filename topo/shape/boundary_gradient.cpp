@@ -57,6 +57,7 @@ class DensityOnEdge {
     const bool loaded = !force.isZero(0);
     const double s = recovered(m, *a_.state, fields_->recovered[FieldOf::Primal]);
     const Vec2 u = loaded ? displacement_at(m, *a_.state, t, x, true) : Vec2::Zero();
+    // Energy density less work of the body force, by the shares that J has of energy and work.
     double sum = a_.energy_share * (0.5 * s * s / modulus - force.dot(u)) + a_.work_share * force.dot(u);
     if (a_.measured) {
       const double other = recovered(*a_.measured_model, *a_.measured, fields_->recovered[FieldOf::Measured]);
@@ -89,6 +90,7 @@ class DensityOnEdge {
 
 }  // namespace
 
+// Points first, so that recovery is done only in triangles beside free edges.
 BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
   require_no_eigenstrain(a.model->scene);

@@ -46,6 +46,7 @@ Eigen::Matrix<double, 2, 3> barycentric_gradients(const Triangle& t) {
   return g;
 }
 
+// Four points, (8 (f1 - f-1) - (f2 - f-2))/(12 h); one-sided of third order where f is not finite on one side.
 Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2&, const Vec2&)>& f) {
   // Truncation is h^4/30 of the fifth derivative, rounding about 1e-13 of f over the length.
   const double h = 1e-3 * (b - a).norm();
@@ -65,6 +66,7 @@ Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2
   return by;
 }
 
+// d_x j . theta at the points, theta linear on the triangle: to its vertices by the barycentric coordinates.
 void add_place(const OfPlace& of, double share, TriangleMotion& motion) {
   const auto& [rule, x, size, here, f] = of;
   // A second difference of more than a hundredth of the largest value over so short a step is a jump of f, not its
@@ -85,6 +87,7 @@ void add_place(const OfPlace& of, double share, TriangleMotion& motion) {
   }
 }
 
+// The normal leaves the triangle that the edge has: to the right where that is on the left.
 MovedEdge moved_edge(const Mesh& mesh, Index e, const Vec2& a, const Vec2& b) {
   const Vec2 side = b - a;
   const double length = side.norm();
@@ -100,6 +103,7 @@ MovingDensity::MovingDensity(const Model& model, const Field& state)
       d1_(derivative(degree_, 0)),
       d2_(derivative(degree_, 1)) {}
 
+// The rule of the value, so that the derivative is that of the discrete J.
 void MovingDensity::add(const Term& term, double share, Index t, const Triangle& shape, TriangleMotion& motion) const {
   if (!term.density || !wanted(term, shape)) return;
   const Points x = rule_points(rule_, shape);
@@ -183,6 +187,7 @@ void MovingDensity::add_recovered(Index t, const Triangle& shape, const Points& 
   }
 }
 
+// Unknowns on edges keep their components while the edge moves: the value changes by place, length and normal.
 void add_surface_motion(const Term& term, double share, const Model& m, const Field& s, Points& gradient) {
   const Mesh& mesh = m.mesh;
   if (term.on_boundary) {

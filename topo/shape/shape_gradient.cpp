@@ -323,6 +323,7 @@ void add_cracks(const LoadedBody& body, const Field* dual, Points& gradient) {
 
 }  // namespace
 
+// Sums per triangle and per edge are gathered onto the vertices; the order of the sums does not depend on threads.
 Points shape_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
   require_no_eigenstrain(a.model->scene);

@@ -29,6 +29,7 @@ double work(const Model& m, const Field& s, const Field& z, Index region) {
 
 }  // namespace
 
+// Where the density itself depends on the material, by central differences of its integral at fixed fields.
 double young_gradient(const Analysis& a, const Functional& j, Model& model, Index region, double young) {
   require_straight(model, "a derivative by Young's modulus");
   require_supports(j, model);
