@@ -55,6 +55,7 @@ void put(const GreenSamples& g, Packer& to) {
   to.put(g.error);
 }
 
+// Barriers are made from the walls again.
 GreenSamples samples_from(Unpacker& from) {
   GreenSamples g;
   g.walls.resize(from.get<std::size_t>());
@@ -144,6 +145,7 @@ std::shared_ptr<const GreenOfBody> green_from(std::string_view packed) {
   return green;
 }
 
+// The analysis may share its fields: they are copied, and the tensor put beside them.
 void take_green(std::shared_ptr<const GreenOfBody> green, Analysis& a) {
   auto fields = a.fields ? std::make_shared<MapFields>(*a.fields) : std::make_shared<MapFields>();
   fields->green = std::move(green);

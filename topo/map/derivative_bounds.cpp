@@ -37,6 +37,7 @@ struct Other {
         bounds(model, state, with_indicators) {}
 };
 
+// What (B.27) does not cover: strains and forces that go with the hole, other shapes, an adjoint on a tangent cone.
 std::string refused(const Scene& scene, const Perturbation& p, bool has_adjoint) {
   if (has_eigenstrain(scene)) return "no bounds: there is an eigenstrain";
   if (scene.body && removes_body(p))
@@ -89,6 +90,7 @@ Bounded lost(std::string why) {
 
 }  // namespace
 
+// J as shares of energies and works, the bodies that these need beside the state's, and why there are no bounds.
 struct DerivativeBounds::Impl {
   Functional j;
   Perturbation p;
@@ -160,6 +162,7 @@ struct DerivativeBounds::Impl {
       if (t.note.empty()) t.note = b.note;
     };
     const auto add = [&](double share, const Interval& i) {
+      // A negative factor turns the interval round.
       t.lower += share * (share > 0 ? i.low : i.high);
       t.upper += share * (share > 0 ? i.high : i.low);
     };
@@ -194,6 +197,7 @@ Bounded DerivativeBounds::at(const Vec2& x, StressBounds& s) const {
   return t;
 }
 
+// All points at once: every body is asked a single time.
 std::vector<Bounded> DerivativeBounds::at(const std::vector<Vec2>& x, std::vector<StressBounds>& s) const {
   const Impl& of = *impl_;
   if (!of.why.empty()) return std::vector<Bounded>(x.size(), lost(of.why));

@@ -8,6 +8,7 @@
 
 namespace kerf {
 
+// State and measured body are recovered in equilibrium with the body force; adjoints and openings without one.
 std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners, const std::vector<bool>& wanted) {
   const Model& m = *a.model;
   auto f = std::make_shared<MapFields>();
@@ -38,6 +39,7 @@ Vec2 displacement_at(const Model& m, const Field& s, Index t, const Vec2& x, boo
   return recovered ? Vec2(recovered_displacement(m, s, t, x).col(0)) : Vec2(evaluate(m, s, t, x).displacement.col(0));
 }
 
+// Only what the expansion asks for is evaluated.
 PointValues values_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x) {
   PointValues v = point_values(
       e,

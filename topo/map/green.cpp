@@ -136,6 +136,7 @@ std::vector<Mat2> GreenTensor::regular_at(std::span<const Vec2> x, std::span<con
   return all;
 }
 
+// Column j is the reply to a unit force along axis j; whole fields only where they are asked for.
 Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
   const std::vector<Nucleus> forces = unit_forces(material_of(model_.mesh, model_.scene, t), x0);
   const std::array<Index, 1> here = {t};
@@ -228,10 +229,12 @@ class Clamped {
     }
     if (adjoint_) add(-F.dot(displacement_at(*a_.model, *adjoint_, t, x, true)));
     for (const Term& term : j_.terms)
+      // A linear density loses its value in the disc, to leading order.
       if (term.linear && term.density) add(-pi * eps_ * eps_ * term.factor * term.density({.x = x}).value);
     if (!inserts()) return sum;
     const Field put = change_of(green, F);
     refuse_moving_contact(x, put, u, F);
+    // 1/2 sum dp_t dj_t of the sliding rows [theory: T.37].
     if (rubs_) add(0.5 * a_.energy_share * put.force.dot(put.skeleton));
     const double forth = inserted(x, material, put, F);
     if (!sized) {
@@ -308,6 +311,7 @@ class Clamped {
 
 namespace {
 
+// Points outside, or masked, keep what ClampedChange begins with.
 std::vector<ClampedChange> changes_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
                                       bool sized) {
   const Clamped predicted(a, j, eps);
@@ -343,6 +347,7 @@ ClampedChange clamped_change(const Analysis& a, const Functional& j, double eps,
   return changes_at(a, j, eps, std::span(&point, 1), true).front();
 }
 
+// Tensors are interpolated, displacements are those of the point itself.
 ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, const Candidates& points) {
   const Clamped predicted(a, j, eps);
   if (predicted.inserts())

@@ -124,6 +124,7 @@ std::vector<Vec2> find_points(const std::vector<std::vector<Wall>>& walls) {
 
 }  // namespace
 
+// sum over kinds of ln(delta) (t_2 I + (t_1 - t_2) <a a'>).
 Mat2 wall_logarithms(const std::vector<std::vector<Wall>>& walls, const Vec2& x) {
   // The direction of a group of walls is the mean of a a' with the weights of delta: sharp beside a side, isotropic far
   // away.
@@ -219,6 +220,7 @@ Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
       seen.push_back(near[k]);
   if (seen.empty()) seen.push_back(near.front());
   const Eigen::Index n = static_cast<Eigen::Index>(seen.size());
+  // Cubics, parabolas, planes or a constant.
   const Eigen::Index terms = n >= 18 ? 10 : n >= 9 ? 6 : n >= 4 ? 3 : 1;
   const double reach = 1.2 * std::sqrt(seen.back().first) + std::numeric_limits<double>::min();
   Eigen::MatrixXd rows(n, terms);
@@ -236,6 +238,7 @@ Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
     rows.row(i) = weight * p.head(terms).transpose();
     values.row(i) = weight * values_of(k);
   }
+  // The value at x is the constant of the polynomial about x.
   return rows.colPivHouseholderQr().solve(values).row(0);
 }
 

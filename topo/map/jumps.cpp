@@ -72,6 +72,7 @@ double change(const std::vector<double>& a, const std::vector<double>& b, const 
 constexpr double jump_counts = 1e-3;  // of the size of the data
 constexpr int quarters = 4;
 
+// Sizes are the largest values at centroids: what counts as a jump is relative to them.
 class JumpFinder {
  public:
   JumpFinder(const Model& m, const PlaceData& data) : m_(m), data_(data) {
@@ -83,6 +84,7 @@ class JumpFinder {
     }
   }
 
+  // Four quarters: two jumps on one edge are told apart where they lie in different ones.
   std::vector<Vec2> on_edge(Index e) const {
     const auto& [left, right] = m_.mesh.sides[e];
     const Index t = left != none ? left : right;
@@ -123,6 +125,7 @@ class JumpFinder {
 
 }  // namespace
 
+// Each crossing as a point, and segments between crossings of two edges of a triangle.
 std::vector<std::pair<Vec2, Vec2>> jumps_of_data(const Model& m, const Functional& j) {
   const PlaceData data(m, j);
   std::vector<std::pair<Vec2, Vec2>> all;

@@ -349,12 +349,14 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
     const SecondOrder found = second.at(p.at);
     p.c2 = found.c2;
     p.valid_radius = valid_radius_of({p.value, found.c2, 0, parts_of(found), clear[i]});
+    // Where the second term is known it decides what is masked, instead of four radii of room.
     if (std::isnan(*p.valid_radius)) continue;
     p.masked = *p.valid_radius < r.radius || too_close(m, j, {&p.at, 1}, room_radii * r.radius, r.radius)[0];
   }
   return map;
 }
 
+// The mask first, since a clamped map skips what is masked; recovery once for centroids and corners.
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
   const Grid grid{centroids(a.model->mesh), at_corners(a.model->mesh, corners), corners};
   FullMap map;
@@ -375,6 +377,7 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   return map;
 }
 
+// From the element's own stresses, unrecovered, and with a change of its own per triangle: for level sets.
 Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
                                  const std::function<const Perturbation&(Index triangle)>& change) {
   const Model& m = *a.model;
@@ -397,6 +400,7 @@ Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
   return value;
 }
 
+// The same expansion of both solutions at the same places; half widths at corners go to points by interpolation.
 void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Meshing& meshing, const Maps& maps) {
   const Mesh& mesh = a.model->mesh;
   const std::shared_ptr<const MapFields> own = fields_of(a);

@@ -79,6 +79,7 @@ Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, c
       for (Index k = std::max(column(from.y(), 1), 0); k <= std::min(column(to.y(), 1), up - 1); ++k)
         cells[static_cast<std::size_t>(k) * across + i].push_back(s);
   }
+  // Points outside the box keep a margin of -clear.
   parallel_for(static_cast<Index>(points.size()), m.threads, [&](Index begin, Index end) {
     for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
       const Vec2& x = points[p];

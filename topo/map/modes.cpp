@@ -34,6 +34,8 @@ Stress deviator(const Stress& s) {
 
 }  // namespace
 
+// The form is quadratic in the stresses of state and adjoint together: parts of the stress are expanded alone, what
+// they give together is the rest. A direction is that of the whole.
 std::vector<Mode> modes_of(const Expansion& e, const PointValues& v, const Oriented& whole) {
   if (!has_series(e.p)) return {};
   Perturbation fixed = e.p;

@@ -76,6 +76,7 @@ void BodyReply::load(const Vec2& x0, std::span<const Nucleus> fields, Eigen::Ref
   }
 }
 
+// A solve per field; `only`: the triangles whose interior is wanted.
 std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus> fields, std::span<const Index> only,
                                         double enough) {
   const std::vector<Index> unknowns = loaded_unknowns();
@@ -95,6 +96,7 @@ std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus>
   return replies;
 }
 
+// Per singular point two readings (x, y) of every field; nothing where the factor cannot be read from.
 std::optional<std::vector<Points>> BodyReply::displacements(std::span<const Singularity> many) const {
   FewLoads loads{.unknowns = loaded_unknowns(), .load = {}, .prescribed = {}};
   Eigen::Index problems = 0;

@@ -43,6 +43,7 @@ Eigen::VectorXd read(const Model& m, const Field& s, std::span<const Term> readi
   return value;
 }
 
+// Stresses of the state and of every adjoint, and under a body force b . p_k, which a hole removes.
 std::optional<PointResponse> response_at(const Responses& r, const Vec2& x) {
   const Model& m = *r.model;
   const Index t = locate(m.mesh, r.locator, x);

@@ -96,6 +96,7 @@ bool has_circle(const Perturbation& p) {
   return row(p).inside != nullptr;
 }
 
+// The shape first, then the body, contact and the functional: the first reason is told.
 std::string unknown_second_term(const Analysis& a, const Functional& j, const Perturbation& p) {
   if (!has_circle(p)) return "the second term is known for circular free holes and inclusions only";
   if (std::string why = unknown_in(*a.model); !why.empty()) return why;
@@ -113,6 +114,7 @@ std::string unknown_second_term(const Analysis& a, const Functional& j, const Pe
   return {};
 }
 
+// A term whose logarithm is unknown makes that of the sum unknown.
 std::pair<Logarithm, double> logarithm(const Expansion& e, const PointValues& v, const TaylorField& s) {
   using enum Logarithm;
   const Analysis& a = e.a;

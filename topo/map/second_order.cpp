@@ -29,6 +29,7 @@ double SecondOrder::valid_radius(double share) const {
   return c2 == 0 ? infinity : std::sqrt(share * std::abs(T / c2));
 }
 
+// What points share: the expansion, the locator, and a solver per body.
 struct SecondOrders::Impl {
   Impl(const Analysis& analysis, const Functional& functional, const Perturbation& change)
       : a(analysis),
@@ -65,6 +66,7 @@ struct SecondOrders::Impl {
     return (high - low).norm();
   }
 
+  // Of 300 vertices the one farthest from all features.
   Vec2 roomiest() const {
     const Model& m = *a.model;
     constexpr std::size_t enough = 300;
@@ -109,6 +111,7 @@ struct SecondOrders::Impl {
     std::optional<TaylorFit> fit;
   };
 
+  // The reply grows with the square of the radius: it is as large as its part of the stress at sqrt(|s| / |w|).
   double answered(const Vec2& x) {
     const Model& m = *a.model;
     std::string note;
@@ -128,6 +131,7 @@ struct SecondOrders::Impl {
     return least;
   }
 
+  // Stresses from the fit as well, so that T and c2 are of one field.
   void expand_here(const TaylorFit& fit, const Vec2& x, Index t, SecondOrder& result) {
     const Material& material = material_of(a.model->mesh, a.model->scene, t);
     PointValues v = point_values(

@@ -72,6 +72,7 @@ void over_points(const Model& m, const std::vector<Index>& use, const Vec2& at, 
 
 }  // namespace
 
+// Triangles around x by a front from that of x, sorted: sums do not depend on the way.
 TaylorFit::TaylorFit(const Model& m, const Vec2& x, Index start, double radius) : m_(m), at_(x), radius_(radius) {
   // Neighbors are taken while one of their vertices lies in the disc.
   const auto reaches = [&](Index t) {
@@ -98,6 +99,7 @@ bool TaylorFit::coarse() const {
   return use_.size() < least;
 }
 
+// Moments of the field with the columns, then the factor of the Gram matrix.
 TaylorField TaylorFit::of(const Field& s) const {
   const double unit = 1 / std::sqrt(2.0);
   Eigen::VectorXd moments = Eigen::VectorXd::Zero(unknowns);
