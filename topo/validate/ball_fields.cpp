@@ -32,6 +32,7 @@ Eigen::VectorXd on_edges(const Skeleton& s, const std::vector<Index>& edges, con
   return x;
 }
 
+// Less its projection on rigid motions: what strains anything.
 Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const Eigen::VectorXd& values) {
   // Columns: two translations and the rotation about a vertex of the contour, in the frames of the edges.
   const Vec2 center = m.mesh.points[m.mesh.edges[edges[0]][0]];
@@ -49,6 +50,7 @@ Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const 
   return values - rigid * qr.solve(values);
 }
 
+// Moments of s n against the trace functions, s of the triangles inside.
 Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<Index>& edges,
                             const std::vector<bool>& inside) {
   // normal_at includes |dx/ds|.
@@ -74,6 +76,7 @@ Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<In
   return f;
 }
 
+// 1/2 (A s, s) - (f, u) of one triangle; displacements are moments against the force's.
 double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const Material& material) {
   const Triangle shape = triangle(m, t);
   const TriangleRule& rule = stress_rule(m.inner->kernel, shape);

@@ -39,6 +39,7 @@ std::vector<bool> BallInMesh::shells(Index from, Index to) const {
   return use;
 }
 
+// What the state holds on the contact rows: jumps less what is prescribed, forces, and which way rows move.
 BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& how) : model(&m), state(&s) {
   // A penalized matrix, or one without the balls' rows, is factorized anew with floored compliances and no penalty.
   if (m.inner->system.penalty > 0 || m.inner->ordering.interface_rows == 0) {
@@ -87,6 +88,7 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
   S.topLeftCorner(n, n) -= K;
 }
 
+// x_r = -W_rr^-1 W_rm x_m, by the factor of W_rr.
 Eigen::VectorXd BodyOperator::others(const Eigen::VectorXd& mine) const {
   Eigen::VectorXd moved = -multiply(half_, mine);
   if (moved.size() > 0) rest_.triangularView<Eigen::Lower>().transpose().solveInPlace(moved);
@@ -169,6 +171,7 @@ class RadiusProblem {
     eliminate_contour();
   }
 
+  // The state of the first body tells the load; ball and contact rows first, then the contour, then the energy.
   void solve(const BodyOperator& b) {
     const Before before{on_edges(b.model->inner->skeleton, of_.contour, b.state->skeleton),
                         forces_from(*b.model, *b.state, of_.contour, of_.disc)};

@@ -10,6 +10,7 @@
 
 namespace kerf {
 
+// Polynomials in places over half the ball's radius: their constant is the value at the center.
 Center::Center(const Model& m, const BallIn& ball) : m_(m), at_(ball.at), last_(ball.end - 1) {
   constexpr double inner_part = 0.5;
   const double radius = inner_part * ball.radius;
@@ -39,6 +40,7 @@ Center::Value Center::value(const Expansion& e) const {
   return {t.value, size_of(e, v), modes_of(e, v, t)};
 }
 
+// The element's own stress at centroids, not recovered: the fit averages.
 Eigen::Vector3d Center::stress(const Field& s) const {
   Eigen::Matrix<double, Eigen::Dynamic, 3> v(weight_.size(), 3);
   for (Eigen::Index i = 0; i < v.rows(); ++i) {

@@ -35,6 +35,7 @@ struct Candidate {
 
 }  // namespace
 
+// The best point, and the best of those a quarter of the body away that is half as good.
 std::vector<Vec2> chosen_points(const Choice& c) {
   const Model& m = *c.a.model;
   std::vector<Vec2> x;

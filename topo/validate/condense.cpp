@@ -9,6 +9,8 @@
 
 namespace kerf {
 
+// Loads on the boundary and supports belong to the body around; a ball has its own material, and its forces where asked
+// for.
 CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene, bool body) {
   require(k.element, can_validate);
   CondensedPiece p;
@@ -43,6 +45,7 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   return p;
 }
 
+// All unknowns of the piece from those that were kept.
 Eigen::VectorXd complete(const CondensedPiece& p, const Eigen::VectorXd& kept, bool body) {
   // Backward substitution with the kept rows given: y of the kept rows is L22' x.
   Eigen::VectorXd y = body ? p.factor.forward(p.system.F) : Eigen::VectorXd::Zero(p.ordering.size).eval();

@@ -77,6 +77,7 @@ Differences::Differences(const BallsInBody& in, const Perturbation& p, const Pre
   if (in.a.measured) bodies_.emplace_back(*in.a.measured_model, *in.a.measured, how);
 }
 
+// A ball's triangles are consecutive in the mesh, and its boundary rows among those kept.
 BallInMesh Differences::ball(std::size_t number, const BallMesh& mesh) const {
   const auto& contours = in_.filled.contour[number];
   return {.number = number,
@@ -88,6 +89,7 @@ BallInMesh Differences::ball(std::size_t number, const BallMesh& mesh) const {
           .unknowns = static_cast<Eigen::Index>(contours[0].size()) * in_.a.model->inner->skeleton.per_edge};
 }
 
+// Balls one after the other with their radii in parallel; far fields of all of them at once.
 std::vector<std::vector<Difference>> Differences::all(const std::vector<BallMesh>& balls) {
   std::vector<std::vector<ChangedBall>> changed;
   for (std::size_t b = 0; b < balls.size(); ++b) changed.push_back(solve_ball(setting_, ball(b, balls[b]), bodies_));
@@ -122,6 +124,7 @@ void Differences::fill_near(const ChangedBall& of, Field& near) const {
   add_fields(near, *of.annulus, complete(*of.annulus, edges, false), setting_.kernel, setting_.scene);
 }
 
+// Fields are made only where some term sees them: energies have their change already.
 Difference Differences::finish(const BallInMesh& ball, const ChangedBall& of, Field& near) const {
   Changed c{of, near, std::vector<bool>(of.disc.size(), false), {}};
   for (Index t = ball.first; t < ball.end; ++t) c.ring[t] = !of.disc[t];

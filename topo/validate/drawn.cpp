@@ -36,6 +36,7 @@ State solved_with_change(const Model& m) {
   return s;
 }
 
+// Meshes are graded as the solution of the case asks for, with `longer` times its edges.
 class Drawer {
  public:
   Drawer(const Sketch& sketch, const std::vector<Change>& changes)
@@ -47,6 +48,7 @@ class Drawer {
                    better_sizes(mesh, corners, singular_corners(sketch.own, sketch.state, corners), sketch.longer)};
   }
 
+  // Slits one by one; others in batches whose balls keep apart.
   std::vector<Redrawn> all() {
     if (row(sketch_.p).becomes == Becomes::Slit) {
       std::vector<Redrawn> found;

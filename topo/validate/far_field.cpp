@@ -27,6 +27,7 @@ struct Disc {
   Eigen::Index at, count;
 };
 
+// Numbers all radii of all balls as columns.
 class Outside {
  public:
   Outside(const BallsInBody& in, const BodyOperator& body, std::vector<std::vector<ChangedBall>>& changed)
@@ -47,6 +48,7 @@ class Outside {
   }
 
  private:
+  // Center and radius by the box of the ball's contour.
   void add_ball(std::size_t b, std::vector<ChangedBall>& radii) {
     Vec2 low = Vec2::Constant(infinity), high = -low;
     for (const Index e : in_.filled.contour[b][0])

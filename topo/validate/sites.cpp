@@ -63,6 +63,7 @@ double ball_of_one(const Site& s, double reach) {
   return std::min(0.85 * s.clear, 1.7 * reach);
 }
 
+// Balls of a batch keep a tenth of the sum of their radii between them.
 std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::size_t most) {
   // First fit, in the order of the points.
   constexpr double apart = 1.1;

@@ -129,6 +129,7 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
   return std::nullopt;
 }
 
+// One validation of all points: the body as it is, then batch by batch.
 class Validating {
  public:
   // `again`: the second time, with smaller radii.
@@ -150,6 +151,7 @@ class Validating {
     if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
   }
 
+  // A run that is told to stop keeps the verdicts that are done.
   std::vector<Validation> run() {
     for (const Vec2& at : r_.points) results_.push_back(blank(at, r_.radii));
     if (const auto words = infinite(j_, shape_, scene_)) {
@@ -274,6 +276,7 @@ class Validating {
     }
   }
 
+  // What cannot be drawn or solved says nothing: the series alone does not hold.
   void draw_on(double longer, const std::vector<Change>& changes) {
     std::vector<Redrawn> drawn;
     try {
@@ -288,6 +291,7 @@ class Validating {
     for (std::size_t i = 0; i < changes.size(); ++i) compare(changes[i], drawn[i]);
   }
 
+  // A J of stresses that two meshes tell differently may be infinite, whatever its differences say.
   void compare(const Change& c, const Redrawn& d) {
     Validation& v = results_[c.site.number];
     const bool clamped = !has_series(r_.perturbation);
@@ -303,6 +307,7 @@ class Validating {
                            analysis_.value, d.J0);
   }
 
+  // One mesh, one factor and one analysis; T at each center and the differences of each radius.
   void validate_batch(const std::vector<Site>& sites) {
     const Batch batch = mesh_batch({shape_, sizing_}, sites, around, {aspect(r_.perturbation), angle_});
     const SolvedBatch solved(batch, {element_, scene_, r_.threads, &r_.scenes}, j_, r_.perturbation);
@@ -348,6 +353,8 @@ class Validating {
     return *second_;
   }
 
+  // An inclusion of the same material changes nothing, and rounding is no verdict. What does not hold is asked whether
+  // the radii are beyond the series.
   void judge_series(const Site& site, const std::vector<double>& scales, SecondOrders& on_series) {
     Validation& v = results_[site.number];
     judge(v, r_.perturbation, scales, site.clear);

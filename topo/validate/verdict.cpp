@@ -43,6 +43,7 @@ struct Sample {
 
 enum class Terms { Square, Logarithm, Both, Even };
 
+// T, c2 and the coefficient of the last term; those that are not asked for are 0.
 Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length) {
   const bool square = terms != Terms::Logarithm, even = terms == Terms::Even,
              logarithm = terms == Terms::Logarithm || terms == Terms::Both;
@@ -68,6 +69,7 @@ Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length)
   return {c[0], (square ? c[1] / per : 0) - c3 * std::log(length), c3};
 }
 
+// From the smallest radii; the interval holds every fit that was taken.
 Fit fit(std::span<const Sample> s, double length, Terms both) {
   Fit f;
   if (s.size() < 2) return f;
@@ -139,6 +141,7 @@ class Series {
     if (std::isfinite(v_.c2_predicted)) predict_second();
   }
 
+  // In this order: too few numbers, nothing there, agreement, reasons for none, failure, and what is open.
   Finding finding() const {
     if (computed_ < 2)
       return {Verdict::OutOfRange,
@@ -266,6 +269,7 @@ class Series {
     return words;
   }
 
+  // From the largest radius to the smallest. Rows in a row near T count as settled; orders above the plateau alone.
   void count() {
     std::size_t before = rows_.size();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -342,6 +346,7 @@ class Series {
                                      fit_.intercept, v_.order);
   }
 
+  // Features, contact, radii that are too large, in this order.
   std::optional<std::string> beyond_contact_and_features() const {
     if (reach_ * rows_[last_].radius > 0.25 * clear_)
       return fmt::format("the radii are too large: the nearest feature is {:.3g} away; use radii below {:.3g}", clear_,
@@ -414,6 +419,7 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
   if (!has_series(p)) v.drawn.predicted = v.rows[row].predicted;
 }
 
+// Only where the body, not a feature nearby, is what the radii are too large for.
 void withdraw(Validation& v, double answer_radius, double clear) {
   constexpr double small = 0.25;
   double least = nan;
@@ -428,6 +434,9 @@ void withdraw(Validation& v, double answer_radius, double clear) {
       answer_radius, small * answer_radius);
 }
 
+// The bar is three times the largest of what map, series and drawn change differ by. "Fails" stays where the drawn
+// change says at least half of it; "holds" where the drawn change agrees with its own formula and the map depends
+// little on the mesh.
 void conclude(Validation& v, double area, bool clamped) {
   // Half as large it held 92 of 102 truths on random bodies.
   constexpr double of_formula = 5e-3, of_mesh = 0.1, safety = 3;
