@@ -438,6 +438,7 @@ void add_radii(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
 
 }  // namespace
 
+// Three points per arc, by chains and arcs: `too_far` counts on it.
 NormalMoves normal_moves(const DesignCurves& d) {
   NormalMoves m;
   std::size_t count = 0;
@@ -511,6 +512,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
   const std::vector<bool> angles = angles_of(d);
   guess += m.by.transpose() * (m.weight.cwiseProduct(over_width)).asDiagonal() * m.by;
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    // The square root is taken chain by chain.
     std::vector<Eigen::Index> mine;
     for (const KnotHold& hold : d.holds[c]) {
       if (hold.offset != none) mine.push_back(hold.offset);

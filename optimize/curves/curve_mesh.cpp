@@ -20,6 +20,7 @@ namespace {
 constexpr Strain most{.least_angle = 10,
                       .stretch = 2.5};  // more than drawn designs are moved: fewer meshes, less noise
 
+// By share of its length, or of its arc's parameter.
 Vec2 on(const SideEnds& s, double part) {
   if (!s.side.arc) return (1 - part) * s.side.start + part * s.end;
   return at(*s.side.arc, s.side.arc->from + part * (s.side.arc->to - s.side.arc->from));
@@ -53,6 +54,7 @@ void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& m
             const Arc& arc = *ends.side.arc;
             part = std::clamp(0.5 + beyond_middle(arc, x) / (arc.to - arc.from), 0.0, 1.0);
           }
+          // The label may be that of other sides as well.
           if ((on(ends, part) - x).norm() > near) continue;
           taken[std::size_t(v)] = true;
           all.push_back({.vertex = v, .loop = Index(l), .piece = Index(i), .part = part});

@@ -561,6 +561,7 @@ bool CurvesRun::iterate() {
         out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
       // Meshes may differ by more than the step: what the present design is worth on the new one.
       if (y && y->rebased && evaluations_ < how_.evaluations) return remesh(x_.curves, own_mesh);
+      // Less than the refused step used, which may have been less than the radius.
       radius_ *= 0.4 * reach_;
       if (radius_ < least_step * size_) {
         out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
@@ -568,6 +569,7 @@ bool CurvesRun::iterate() {
       }
       continue;
     }
+    // Grows where the step was held by it.
     if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_step * size_);
     if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, least_step * size_);
     x_ = std::move(*y);

@@ -271,6 +271,7 @@ class Builder {
     if (listed(how_.solid, side.label) || side.keep) return;
     for (const Vec2& end : ends_)
       if ((end - x).norm() <= near_) return;
+    // Sides that carving made are none of the frame's.
     const std::optional<FrameSide> on = side_with(frame_, side, other.at, x);
     if (!on) return;
     const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();

@@ -69,6 +69,7 @@ Eigen::VectorXd weights_of(const OptimizeRequest& r) {
   return w;
 }
 
+// With 2.5 cells across the thinnest member that is asked for.
 double cells_of(const Problem& p, const OptimizeRequest& r) {
   const double thin = r.level_set.min_feature / cells_across;
   return thin > 0 ? std::clamp(area(p.frame) / (thin * thin), fine_cells, most_cells) : fine_cells;
@@ -209,6 +210,7 @@ Level level(const Problem& p, const OptimizeRequest& r, double cells, bool crack
   return at;
 }
 
+// Cells outside the body have the density of the nearest one inside, for interpolation.
 DensityDesign drawn(const Lattice& l, const Densities& found) {
   DensityDesign d{.origin = l.origin, .cell = l.cell, .columns = l.columns, .rows = l.rows, .density = found.density};
   for (Eigen::Index c = 0; c < d.density.size(); ++c)
@@ -228,6 +230,7 @@ Schedule schedule(const Run& run, bool weight) {
                .first_exponent = run.first_exponent,
                .change_steps = run.change_steps,
                .most_steps = coarse_steps};
+  // Under own weight the exponent of the rational law goes to 30, in smaller steps [theory: P.3].
   if (weight) how.exponent = 30, how.most_steps = 100, how.move = 0.1;
   return how;
 }

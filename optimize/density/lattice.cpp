@@ -302,6 +302,7 @@ void Builder::supports() {
     at_gauss_points(support.label, [&](const Vec2&, const Vec2& n, double length, const std::array<Index, 4>& corners,
                                        const Eigen::Vector4d& value) {
       const Vec2 first = support.normal_frame ? n : Vec2(1, 0), second(-first.y(), first.x());
+      // P, the projection on the held directions.
       Mat2 along = Mat2::Zero();
       if (support.first) along += first * first.transpose();
       if (support.second) along += second * second.transpose();
@@ -370,6 +371,7 @@ void Builder::weaken_cracks() {
     const std::vector<Vec2> path = crack.arc ? points_on(*crack.arc, 64) : crack.points;
     for (std::size_t i = 1; i < path.size(); ++i) {
       const Vec2 a = in_cells(path[i - 1]), b = in_cells(path[i]);
+      // Twenty samples per cell: a corner that a crack just cuts may be missed.
       const int samples = 1 + static_cast<int>(std::ceil(20 * (b - a).norm()));
       for (int s = 0; s <= samples; ++s) {
         const Vec2 x = a + (b - a) * s / samples;
@@ -384,6 +386,7 @@ void Builder::weaken_cracks() {
 }
 
 /// The nearest cell of the body for every cell, by a front from all of them.
+/// Densities are interpolated beyond the border of the body by those of the nearest cells in it.
 void Builder::neighbors() {
   l_.inside.assign(static_cast<std::size_t>(l_.part.size()), none);
   std::vector<Index> front = l_.cells;

@@ -31,6 +31,7 @@ bool solid(const Lattice& l, Index cell) {
 }
 
 /// Solid cells full, the others even.
+/// The area that is left is spread evenly, to a density of 1 % at least.
 Eigen::VectorXd even_density(const Lattice& l, double area) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(l.part.size());
   double fixed = 0;

@@ -25,6 +25,7 @@ struct CellMatrices {
       for (const double t : {-g, g}) {
         Eigen::Matrix<double, 3, 8> strain = Eigen::Matrix<double, 3, 8>::Zero();  // xx, yy, 2 xy
         for (int i = 0; i < 4; ++i) {
+          // Derivatives on a cell of length 1; s and t run from -1 to 1.
           const double dx = sx[i] * (1 + sy[i] * t) / 2, dy = sy[i] * (1 + sx[i] * s) / 2;
           strain(0, 2 * i) = strain(2, 2 * i + 1) = dx;
           strain(1, 2 * i + 1) = strain(2, 2 * i) = dy;
@@ -42,6 +43,7 @@ const CellMatrices& cell_matrices() {
 }
 
 /// Nodes of the cells of the body in the order of elimination; none: others.
+/// Nodes are ordered, so that both components of one stay together.
 std::vector<Index> ordered_nodes(const Lattice& l, Index& count) {
   std::vector<Index> number(static_cast<std::size_t>(l.nodes()), none), nodes;
   for (const Index c : l.cells)
@@ -114,12 +116,14 @@ LatticePattern lattice_pattern(const Lattice& l) {
     auto& at = pattern.at.emplace_back();
     std::size_t n = 0;
     for (std::size_t i = 0; i < 8; ++i)
+      // In the order in which `displacements` adds.
       for (std::size_t j = 0; j <= i; ++j) at[n++] = place(std::max(u[i], u[j]), std::min(u[i], u[j]));
   }
   pattern.springs.assign(a.rows.size(), 0);
   for (const Lattice::Spring& s : l.springs) {
     const Index i = pattern.unknown[static_cast<std::size_t>(s.first)];
     const Index j = pattern.unknown[static_cast<std::size_t>(s.second)];
+    // Springs are listed both ways: one of them is of the lower triangle.
     if (i >= j) pattern.springs[static_cast<std::size_t>(place(i, j))] += s.stiffness;
   }
   return pattern;

@@ -101,6 +101,7 @@ Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings&
       one.fit.state_solves += guess.solves;
       one.design = std::move(r.design);
       Eigen::Index first = 0;
+      // What was fitted is where later runs start.
       for (Drawn& d : one.design.drawn) {
         d.start = one.fit.variables.segment(first, d.start.size());
         d.from_map = false;

@@ -59,6 +59,7 @@ VectorXd with_young(const VectorXd& circle, const Material& m, const Problem& p)
 }
 
 /// Everything that the frame has not.
+/// Holes, cracks and regions stand behind those of the frame.
 std::vector<Thing> things(const Shape& shape, const Scene& scene, const Problem& p) {
   std::vector<Thing> all;
   const double size = extent(shape);

@@ -41,6 +41,7 @@ struct Surroundings {
     return least;
   }
 };
+// Edges of the boundary, of cracks and between materials.
 Surroundings surroundings(const Mesh& mesh, const Functional& j) {
   Surroundings s;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
@@ -197,6 +198,7 @@ Dictionary make_dictionary(const GuessData& data, const std::vector<Vec2>& place
   for (const Vec2& x : places) {
     const auto at = response_at(data.responses, x);
     for (const Variant& v : variants) {
+      // Places outside the body keep columns of 0, which nothing picks.
       if (at) d.columns.col(column) = data.column(*at, v);
       ++column;
     }
@@ -344,6 +346,7 @@ struct Search {
   /// Between the candidates, in steps that are halved.
   void refine(double spacing) {
     // From half the spacing of the candidates to 1/128 of it.
+    // The angle from half the spacing of the 24 candidates.
     double step = 0.5 * spacing, turn = pi / 48;
     for (int level = 0; level < 7; ++level, step *= 0.5, turn *= 0.5) {
       bool moved = true;
@@ -453,6 +456,7 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
     search.b = data.b - change + search.predicted();
     search.refine(spacing);
   }
+  // Not even the first guess could be drawn or solved: what the expansion itself explains is told.
   if (least == infinity) least = (data.b - search.predicted()).squaredNorm();
   return whole > 0 ? 1 - least / whole : 0;
 }
@@ -546,6 +550,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
     sought.back().drawn = k;
   }
   if (sought.empty()) return out;
+  // What is given is in the body; only what asks for a map is looked for.
   auto body = body_of(given, start_of(given), p);
   const Model m = prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);

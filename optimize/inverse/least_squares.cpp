@@ -204,6 +204,7 @@ VectorXd Fit::step(const Linearized& l, const VectorXd& x, double damping) const
 }
 
 /// The largest cosine between the misfit and what a variable that may move changes it by.
+/// At a bound only what pulls inwards counts.
 double Fit::optimality(const Linearized& l, const VectorXd& x) const {
   double most = 0;
   const double size = l.p.norm();
@@ -231,7 +232,9 @@ bool Fit::improve(VectorXd& x, VectorXd& r) {
     if (violation(y) > allowed) continue;
     const std::optional<VectorXd> other = try_at(y);
     if (!other || !(other->squaredNorm() < r.squaredNorm())) continue;
+    // More than half of what the linear model predicted: less damping.
     if (r.squaredNorm() - other->squaredNorm() > 0.5 * predicted) damping_ *= 0.1;
+    // The mesh of an accepted trial becomes that of the round.
     if (fresh_) std::swap(here_, there_);
     x = y;
     r = *other;
@@ -244,6 +247,7 @@ bool Fit::improve(VectorXd& x, VectorXd& r) {
 /// Noise, covariance and ellipses at the end.
 void Fit::describe(const Linearized& l) {
   const VectorXd& x = out_.variables;
+  // Variables at a bound count as known [theory: I.6].
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < x.size(); ++i)
     if (is_free(i) && x[i] > lower_[i] && x[i] < upper_[i] && l.G.row(i).norm() > 0) free.push_back(i);

@@ -131,6 +131,7 @@ Measurement measure(const Synthetic& s, int threads) {
         sensor = out.at.size();
         out.at.push_back(point_at(curve, length * i / intervals));
         out.exact.push_back(trace_at(model, state, edges, length, out.at.back()));
+        // Where a support begins the displacement is prescribed: no sensor's noise.
         out.known.push_back((i == 0 && is_supported(s.true_scene, curve.beside[0])) ||
                             (i == intervals && is_supported(s.true_scene, curve.beside[1])));
         if (joint != none) at_joint[static_cast<std::size_t>(joint)] = sensor;

@@ -168,6 +168,7 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
   }
 }
 
+// Carving may have cut cracks: laws and terms are those of the parts.
 FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double whole) {
   p.scene.laws = e.cases.front().model.scene.laws;
   p.objective = e.objective;

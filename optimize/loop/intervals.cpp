@@ -61,6 +61,7 @@ Bounded scaled(const Term& term, Bounded b) {
   return b;
 }
 
+// Ends of intervals add; the note is that of the first one that is not guaranteed.
 void add(Bounded& sum, const Bounded& b) {
   sum.value += b.value;
   sum.lower += b.lower;

@@ -33,6 +33,7 @@ struct Thing {
   CoordinateBox box = {};                                  // of it for all variables
 };
 
+// A circle has two axes of the same length at a right angle.
 std::optional<DesignCurve> as_disc(const Loop& loop) {
   if (loop.sides.size() != 1 || !loop.sides[0].arc) return std::nullopt;
   const Arc& arc = *loop.sides[0].arc;
@@ -64,6 +65,7 @@ Thing fixed_loop(std::string name, const Loop& loop, double chord, double longes
   return fixed(std::move(name), fixed_polyline(flatten(loop, chord, longest).points, true));
 }
 
+// An arc as chords no longer than `longest`, 16 at least.
 DesignCurve path_of(const Crack& crack, double longest) {
   std::vector<Vec2> points = crack.points;
   if (crack.arc) {
@@ -121,6 +123,7 @@ Constraint apart(const Thing& a, const Thing& b, double least, const std::string
     return t.drawn == none ? 0 : d.drawn[static_cast<std::size_t>(t.drawn)].lower.size();
   };
   const Eigen::Index from_a = begin(a), from_b = begin(b), na = count(a), nb = count(b);
+  // Soft minima are 1/40 of the distance wide [theory: L.9].
   const Apart how{.container = b.container, .width = least / sharpness, .by_a = na, .by_b = nb};
   return {what, [=](const VectorXd& x, VectorXd* gradient) {
             const VectorXd va = x.segment(from_a, na);
@@ -160,6 +163,7 @@ std::vector<Constraint> constraints(const Design& d, const Problem& p, double le
   for (std::size_t k = 0; k < d.drawn.size(); ++k) things.push_back(drawn_thing(d.drawn[k], static_cast<Index>(k)));
   for (std::size_t k = 0; k < things.size(); ++k) {
     const Drawn& one = d.drawn[k];
+    // What is fixed is an obstacle to others and has no constraint of its own.
     if (one.lower == one.upper) continue;
     const std::string apart_by = fmt::format("less than {:.4g} apart", least);
     for (std::size_t i = 0; i < others.size(); ++i) {
@@ -167,6 +171,7 @@ std::vector<Constraint> constraints(const Design& d, const Problem& p, double le
       const DesignCurve curve = other.curve({});
       if (i >= first_region && i < first_region + p.frame.regions.size()) {
         const DesignCurve start = things[k].curve(one.start);
+        // Inside a region or outside of it, as it starts.
         const Vec2 x = start.disc ? start.center : start.points.front();
         other.container = curve.disc ? (x - curve.center).norm() < curve.radius : inside_polygon(curve.points, x);
       }

@@ -97,6 +97,7 @@ void check_design(const Design& d, const Problem& p) {
   }
 }
 
+// Each thing adds itself to the frame and its scene, in the order of the design.
 DrawnBody body_of(const Design& d, const VectorXd& x, const Problem& p) {
   DrawnBody body{p.frame, p.scene};
   const std::vector<VectorXd> part = parts(d, x);

@@ -75,6 +75,7 @@ VectorXd product(const Matrix2Xd& by, const Vec2& direction, Eigen::Index size) 
 // a - b| - r_a - r_b, or r_b - |a - b| - r_a inside of b.
 Distance disc_to_disc(const DesignCurve& a, const DesignCurve& b, const Apart& how) {
   const Vec2 away = a.center - b.center;
+  // Concentric discs have no direction: any one serves.
   const double d = away.norm(), sign = how.container ? -1 : 1;
   const Vec2 n = d > 0 ? Vec2(away / d) : Vec2::UnitX();
   Distance r{sign * (d - b.radius) - a.radius, product(a.by_center, sign * n, how.by_a),
@@ -164,6 +165,7 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
   return soft.sum();
 }
 
+// A ray from x crosses the polygon an odd number of times.
 bool inside_polygon(const std::vector<Vec2>& polygon, const Vec2& x) {
   bool in = false;
   for (std::size_t i = 0, k = polygon.size() - 1; i < polygon.size(); k = i++)

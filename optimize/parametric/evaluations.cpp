@@ -49,6 +49,7 @@ struct Base {
   int used = 0;
 };
 
+// Given to the extension are all vertices with a meaning: followers among them move, the others stay.
 std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Problem& p, const Shape& shape) {
   Mesh mesh = triangulate(shape, p.sizing);
   std::vector<Follower> f = followers(d, x, p, mesh);
@@ -99,6 +100,7 @@ struct Evaluations::Impl {
     if (loads.empty()) loads.push_back({"", 1, {}, {}});
     const std::vector<Scene> scenes = scenes_of(p, r);
     for (std::size_t l = 0; l < loads.size(); ++l) {
+      // With what the scene itself bears in every case.
       loads[l].tractions = scenes[l].tractions;
       loads[l].body = scenes[l].body;
     }
@@ -164,6 +166,7 @@ struct Evaluations::Impl {
     const double holes = area_of_holes(design, x, &by);
     result.volume_fraction = (frame - holes) / frame;
     if (request.volume_at_most) {
+      // Relative: 1 is twice the volume allowed.
       e.values[1] = result.volume_fraction / *request.volume_at_most - 1;
       if (gradients) e.gradients.col(1) = -by / (frame * *request.volume_at_most);
     }
@@ -176,6 +179,7 @@ struct Evaluations::Impl {
     }
   }
 
+  // Empty where no constraint on the geometry is violated by more than half.
   std::string worst_constraint(const Evaluation& e) const {
     const auto many = static_cast<Eigen::Index>(geometric.size());
     Eigen::Index worst = 0;
@@ -259,6 +263,7 @@ struct Evaluations::Impl {
         e.values[k] = bounded - at_most[b];
         if (gradients) e.gradients.col(k) = by;
       }
+      // Observers see the first load case.
       if (l == 0) last = std::make_shared<SolvedDesign>(SolvedDesign{body, std::move(model), std::move(state)});
       last_at = x;
     }
@@ -270,6 +275,7 @@ struct Evaluations::Impl {
       }
     result.objective = merit;
     const double holes = area_of_holes(design, x, &by);
+    // The weighted J, and the price of the body's area.
     e.values[0] = merit + request.volume_penalty * (frame - holes);
     if (gradients) e.gradients.col(0) = by_merit - request.volume_penalty * by;
   }
@@ -295,6 +301,7 @@ double Evaluations::frame_area() const {
   return impl_->frame;
 }
 
+// Bases of the round before stay for `solved`; earlier ones are gone.
 void Evaluations::begin_round() {
   ++impl_->round;
   impl_->before = std::move(impl_->bases);

@@ -53,6 +53,7 @@ std::vector<bool> vertices_on(const Drawn& d, const Mesh& mesh, Numbers& next) {
   const auto in_region = [&](Index t) { return t != none && region_of(mesh, t) == next.region; };
   std::vector<bool> on(mesh.points.size(), false);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    // The rim of a region are edges with it on one side only.
     const bool mine = part == BodyPart::Crack    ? mesh.crack[e] == next.crack
                       : part == BodyPart::Region ? in_region(mesh.sides[e][0]) != in_region(mesh.sides[e][1])
                                                  : mesh.label[e] == label;

@@ -146,6 +146,7 @@ class Run {
   std::vector<std::string> failures_;
 };
 
+// Latest first. Values without gradients do not answer for those with them.
 const Evaluation* Run::find(const VectorXd& x, bool gradients) const {
   for (auto e = seen_.rbegin(); e != seen_.rend(); ++e)
     if (same((*e)->x, x) && (!gradients || (*e)->gradients.cols() > 0)) return e->get();
@@ -253,6 +254,7 @@ const Evaluation* Run::guarded(const double* z) {
       end_ = End::Evaluations;
     else {
       const Evaluation& e = evaluate(x, with_gradients_);
+      // Violations are minimized until a design has none.
       const bool restored = restoring_ && violation_of(*best_) <= stop_.feasibility;
       if (end_ == End::None && !restored) return &e;
     }
@@ -358,6 +360,7 @@ bool Run::restore(const std::string& said, Minimum& found) {
 }
 
 /// Whether NLopt has made anything better than `before`.
+/// By a thousandth of what the tolerance is of J, or of the violation; or that it is feasible after all.
 bool Run::progress(const Evaluation& before) const {
   const double was = violation_of(before), is = violation_of(*best_);
   const double gain = feasible() ? before.values[0] - best_->values[0] : was - is;
@@ -412,6 +415,7 @@ Minimum Run::minimize(OptimizeMethod method) {
 
 /// The best point, and how it ended.
 void Run::report(Minimum& found) {
+  // Without free variables nothing has converged.
   if (free_.empty() && end_ == End::Converged) end_ = End::None;
   found.best = *best_;
   found.evaluations = evaluations_;

@@ -204,6 +204,7 @@ void Rounds::keep() {
     checkpoint_.texts["checked"] = *checked_;
     checkpoint_.numbers["checked"] = VectorXd::Constant(1, checked_solves_);
   }
+  // The newest evaluation is added; the file is written whole.
   const std::size_t i = done_.size() - 1;
   const std::string key = fmt::format("trial {:06}", i);
   checkpoint_.numbers[key] = packed(done_[i]);
@@ -295,6 +296,7 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
     if (!history.empty())
       for (Eigen::Index i = 0; i < lower_.size(); ++i)
         if (upper_[i] > lower_[i])
+          // The largest change of a variable since the row before, in boxes.
           row.step = std::max(row.step, std::abs(e.x[i] - history.back().variables[i]) / (upper_[i] - lower_[i]));
     row.optimality = kkt;
     row.holes = design.holes;
@@ -395,6 +397,7 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
     all.push_back(
         start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
   }
+  // A checkpoint has all starts or none.
   if (all.empty()) all = try_starts(problem_, request_, given, farm_);
   for (std::size_t i = 0; i < all.size(); ++i) {
     checkpoint_.numbers[key(i)] = packed(all[i]);
@@ -474,6 +477,7 @@ OptimizeResult Rounds::run() {
     begun = begin_round(round, x, found);
     if (!begun) break;
     if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
+    // The objective's own tolerance is far below that of rounds: the KKT residual ends a round.
     found = minimize(asked, x, method,
                      {.evaluations = evaluations,
                       .kkt = request_.tolerance,

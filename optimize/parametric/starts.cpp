@@ -52,6 +52,7 @@ void follow(const Problem& p, const OptimizeRequest& r, int evaluations, StartTr
   all.begin_round();
   const bool gradients = r.method != OptimizeMethod::Cobyla;
   const VectorXd from = tried.variables.size() > 0 ? tried.variables : tried.from;
+  // Tells whether the start can be evaluated at all, and is the first answer to the minimizer.
   std::optional<DesignEvaluation> begun = all.evaluate(from, gradients);
   tried.state_solves += begun->state_solves;
   if (!begun->evaluation.failure.empty()) {
@@ -134,6 +135,7 @@ void take_answer(std::string_view answer, StartTried& tried) {
   tried.failure = from.text();
 }
 
+// NaN: it could not be evaluated.
 bool better(const StartTried& a, const StartTried& b) {
   if (std::isnan(a.merit) || std::isnan(b.merit)) return !std::isnan(a.merit) && std::isnan(b.merit);
   const double more_a = std::max(0.0, a.violation - bearable_violation),

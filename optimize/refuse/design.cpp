@@ -25,6 +25,7 @@ using Eigen::VectorXd;
 struct Written {
   std::string table, place, words;  // "optimize.hole[0]", ".circle.center", "center in circle in [[optimize.hole]]"
 };
+// Things of one table are counted as the case file lists them.
 Written written(const Design& d, std::size_t k) {
   const auto part = [](const Drawn& one) { return shape_of(one).part; };
   const auto number = std::count_if(d.drawn.begin(), d.drawn.begin() + static_cast<std::ptrdiff_t>(k),
@@ -182,6 +183,7 @@ bool look_at_each(const Problem& p, const OptimizeRequest& r, bool drawable, std
     }
   }
   if (all.size() > before) return false;
+  // Names and the design as a whole, once each thing is well.
   try {
     check_design(r.design, p);
   } catch (const Error& error) {

@@ -127,6 +127,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
   std::vector<Depth> masks;
   for (const Loop& loop : r.level_set.frozen) masks.emplace_back(loop, chord);
   const double strip = 2 * mesh_size_of(p) + slack;  // at least what stays beside loads
+  // unholed: what the holes may leave; solid: with what stays whatever the holes take.
   std::vector<bool> solid(l.depth.size(), false), unholed(l.depth.size(), false);
   for (int k = 0; k < l.rows; ++k)
     for (int i = 0; i < l.columns; ++i) {
@@ -159,6 +160,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
           out.push_back(here);
     return out;
   };
+  // Pieces that a support holds; a load none of whose pieces is among them hangs on nothing.
   const std::vector<int> supported = touched(held);
   if (supported.empty()) return refuse("take away all that the supports hold");
   for (const Scene& scene : scenes_of(p, r))

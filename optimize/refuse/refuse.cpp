@@ -103,6 +103,8 @@ void look_at_rigid_motions(const Problem& p, const OptimizeRequest& r, std::vect
     look(r.bounds[b].functional, fmt::format("optimize.bound[{}]", b), "[[optimize.bound]]");
 }
 
+// A level set would carve a pressure away with its crack. With friction no energy is least, and what a map or a misfit
+// needs is not known.
 void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const bool level_set = r.method == OptimizeMethod::LevelSet;
   for (std::size_t k = 0; level_set && k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k)
@@ -164,6 +166,7 @@ void look_at_materials(const Problem& p, std::vector<Wrong>& all) {
 
 }  // namespace
 
+// Compliance alone is least for the full body, area alone for none; other functionals need some price or bound of area.
 std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r) {
   if (r.method != OptimizeMethod::LevelSet) return std::nullopt;
   if ((r.volume_at_most && *r.volume_at_most < 1) || r.volume_penalty > 0) return std::nullopt;

@@ -72,6 +72,7 @@ std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask) {
   Shape alone;
   alone.outline = mask;
   if (auto problem = find_problem(alone)) {
+    // The mask was drawn as an outline; its user calls it a border.
     const std::string blamed = "the outline";
     for (std::size_t at; (at = problem->find(blamed)) != std::string::npos;)
       problem->replace(at, blamed.size(), "its border");

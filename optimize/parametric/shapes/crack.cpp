@@ -182,6 +182,7 @@ VectorXd guessed_crack(const Guess& g, const Drawn& d) {
       w.segment<2>(2 * i) = g.at + sign * (2.0 * static_cast<double>(i) / static_cast<double>(pieces) - 1) * half;
     return w;
   };
+  // A path has two directions: the one that leaves its boxes less.
   const auto outside = [&](const VectorXd& w) { return (w - w.cwiseMax(d.lower).cwiseMin(d.upper)).norm(); };
   return outside(path(-1)) < outside(path(1)) ? path(-1) : path(1);
 }

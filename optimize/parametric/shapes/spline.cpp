@@ -88,12 +88,14 @@ std::function<Spot(const Vec2& x)> locate_on_spline(const VectorXd& v, double si
   return [points = spline_polygon(v, spline_pieces(v, size))](const Vec2& x) { return place_on(points, true, x); };
 }
 
+// On the chord between two points of the spline.
 Vec2 position_on_spline(const Spot& spot, const VectorXd& v) {
   const double per_span = static_cast<double>(spot.pieces) / (static_cast<double>(v.size()) / 2);
   const Vec2 a = spline_point(v, spot.piece / per_span), b = spline_point(v, (spot.piece + 1) % spot.pieces / per_span);
   return a + spot.part * (b - a);
 }
 
+// To both ends of the chord by their shares, and from there to four control points each.
 void pull_spline(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<VectorXd> sum) {
   const auto n = static_cast<Index>(v.size() / 2);
   const double per_span = static_cast<double>(spot.pieces) / n;
@@ -155,6 +157,7 @@ Constraint large_enough(const Drawn& d, Eigen::Index first, double least) {
                           double area = 0;
                           add_area_of_spline(v, area, &by);
                           by /= -smallest;
+                          // Far from its bound the value does not matter.
                           return std::max(1 - area / smallest, -1e3);
                         });
 }
@@ -244,6 +247,7 @@ Sought seek_spline(const Drawn& d, const Problem&) {
   return s;
 }
 
+// The start's shape, moved and scaled.
 VectorXd guessed_spline(const Guess& g, const Drawn& d) {
   VectorXd v = d.start;
   const Vec2 center = middle(v);
