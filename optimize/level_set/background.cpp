@@ -180,6 +180,7 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
   return b;
 }
 
+// By size it is a distance, by sign it is phi: a vertex never changes sides.
 Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& phi) {
   // Pieces of the zero line, and edges of the rim with material at both ends; seeds are the corners of their triangles.
   std::vector<ZeroPiece> pieces = zero_line(b.mesh, phi);
@@ -226,6 +227,7 @@ Eigen::VectorXd spread_onto(const BackgroundMesh& b, std::span<const Vec2> point
   return load;
 }
 
+// The mirror first: what stays solid or void counts whatever the mean is.
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi) {
   // Images are read from a copy: they must not be means already.
   if (!b.image.empty()) {
@@ -247,6 +249,7 @@ Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi) {
   return phi;
 }
 
+// Area falls as c grows, so that a bracket holds throughout; 1e-9 of the frame is enough.
 Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area) {
   const auto shifted = [&](double c) { return clipped(b, (phi.array() + c).matrix()); };
   const double whole = b.lumped.sum(), enough = 1e-9 * whole;
@@ -280,6 +283,7 @@ void cut_discs(const BackgroundMesh& b, std::span<const Disc> discs, Eigen::Vect
   phi = clipped(b, std::move(phi));
 }
 
+// Vertices beyond the band keep 0.
 Eigen::VectorXd extend(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {
   // Points and the three corners of the triangle around (or next to) each.
   std::vector<std::pair<Index, Index>> seeds;

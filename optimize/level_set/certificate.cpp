@@ -47,6 +47,7 @@ bool beside_singular(const Ground& g, const std::vector<Vec2>& singular, const V
 
 }  // namespace
 
+// Only the area where it is used up, and bounds within 1 % of their limits, have a price.
 Prices prices_of(const Ground& g, const Evaluated& e) {
   Prices prices{g.price, std::vector<double>(e.bounds.size(), 0)};
   prices.rate = boundary_rate(e, analyze_objective(e));

@@ -363,13 +363,13 @@ Descent::Tried Descent::attempt() {
     if (g_.turns()) {
       turn(t);
       s_.residual = t.step.residual;
+      // The angle is known with the step: it belongs to the row of the design that the step leaves.
       std::find_if(s_.rows.rbegin(), s_.rows.rend(), [](const Iteration& r) { return r.accepted; })->optimality =
           s_.residual;
     } else {
       move_boundary(t);
     }
     std::optional<double> wanted;
-    // Where less material is better everywhere the area is not held.
     const double area = negative_area(g_.background.mesh, t.phi);
     // The area is held where material is worth more than it costs; otherwise less of it is better.
     if (g_.limited && (g_.turns() || t.step.price > g_.price || area > t.allowed)) wanted = t.allowed;
@@ -482,6 +482,7 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
         if (!(t.step.bounded[i] < -redrawing * std::abs(design_->bounds[k]))) continue;
         double& faith = s_.faith[static_cast<Eigen::Index>(k)];
         const double came = (t.drawing.design->bounds[k] - design_->bounds[k]) / t.step.bounded[i];
+        // Half of what was believed, half of what came true.
         faith = std::clamp(0.5 * (faith + came), 0.1, 1.0);
       }
     const double predicted = value(design_->J + t.step.objective + (g_.price - g_.r.volume_penalty) * t.step.area,
@@ -569,6 +570,7 @@ bool Descent::try_nucleation() {
   ++s_.trials;
   rates();
   Tried t;
+  // Only places well below the price are tried.
   t.step.price = pays * s_.price;
   t.phi = distance();
   nucleate(t, distance());
@@ -581,6 +583,7 @@ bool Descent::try_nucleation() {
     ++s_.solves;
     t.drawing = draw(g_, t.phi, wanted, rules_.coarse);
     log_nucleated(t, " on trial");
+    // The anchor is what the trial has to beat.
     s_.anchor = s_.best;
     anchored_ = best_;
     s_.since = 0;

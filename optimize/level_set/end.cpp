@@ -144,6 +144,7 @@ std::shared_ptr<const Evaluated> solve_again(const LevelSetEnd& end) {
   return std::make_shared<const Evaluated>(evaluate_design(p, end.g.r, end.curves.shape, end.curves.crack_of));
 }
 
+// The design on a finer mesh is solved for once more, unless the curves have been there.
 OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   const DescentState& s = end.descent.progress();
   const Evaluated& design = end.last ? *end.last : end.descent.design();

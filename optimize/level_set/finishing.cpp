@@ -64,6 +64,7 @@ void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
   c.texts["curves"] = texts;
 }
 
+// Numbers are read by kind: counts and flags are refused where they are none.
 std::vector<CurvesRow> read_curves(const Checkpoint& c) {
   NumberReader in(numbers_of(c, "curves"));
   LineReader texts(text_of(c, "curves"));
@@ -84,6 +85,7 @@ std::vector<CurvesRow> read_curves(const Checkpoint& c) {
   return rows;
 }
 
+// Curves take iterations too: at least a few must be left.
 bool can_finish(const Ground& g, const Descent& d) {
   return !g.weak() && d.settled() && g.r.max_iterations - d.progress().iteration > least_evaluations;
 }

@@ -17,7 +17,7 @@ FixedPoint fixed_point(const BackgroundMesh& background, const Helmholtz& filter
     centroids.push_back(centroid(mesh, t));
     amount[t] = area(mesh, t) * T[t];
   }
-  // T |T| per triangle is spread onto the vertices as a load: the filter gives it values in the void as well.
+  // T times the area of its triangle is spread onto vertices as a load: the filter gives it values in the void, too.
   const Eigen::VectorXd gain = filter.solve(spread_onto(background, centroids, amount));
   const auto towards = [&](double multiplier) { return constrained(background, (multiplier - gain.array()).matrix()); };
   FixedPoint f;

@@ -147,6 +147,7 @@ Problem fitted(const Ground& g, double coarse) {
   return p;
 }
 
+// Ends with the function that was drawn, so that the next step starts from what was solved.
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse) {
   if (g.weak()) return {phi, {}, std::make_shared<const Evaluated>(evaluate_ersatz(g.p, g.r, g.background, phi))};
   const Carving how = carving(g, coarse);

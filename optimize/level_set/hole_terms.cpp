@@ -48,6 +48,7 @@ HoleTerms HoleExpansion::objective(const Vec2& x) {
   return terms(x, false);
 }
 
+// A bound whose c2 is not known adds T alone.
 HoleTerms HoleExpansion::terms(const Vec2& x, bool bounds) {
   const Index t = nearest_triangle(parts_.front()->of.analysis.model->mesh, locator_, x);
   HoleTerms sum{.T = 0, .c2 = 0};

@@ -23,6 +23,7 @@ namespace kerf {
 
 namespace {
 
+// Rows of the history are those of the descent, then one per evaluation of the curves, then the result.
 class LevelSetRun {
  public:
   LevelSetRun(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place)
@@ -137,6 +138,7 @@ void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
   std::string why = "its curves are no better";
   if (curves_are_better(end)) try {
       end.last = solve_again(end);
+      // Asked again with J of the mesh that the case asks for.
       if (!curves_are_better(end)) throw Error(Fault::Numerics, why);
       const SolvedCase& c = end.last->cases.front();
       Iteration row = end.finishing.back();

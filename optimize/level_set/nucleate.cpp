@@ -46,6 +46,7 @@ class Places {
     }
     if (most < how_.least) return 0;
     if (std::ranges::any_of(refused_, [&](const Vec2& y) { return (x - y).norm() < how_.least; })) return 0;
+    // Where only the mesh hides c2 no radius is chosen: T alone would take all the room.
     const HoleTerms terms = body_.terms(x);
     const double radius = best_radius(terms, how_.multiplier, most);
     if (radius < how_.least || (how_.resolved && !terms.resolved)) {

@@ -12,6 +12,7 @@ std::span<const Index> neighbors(const BackgroundMesh& b, Index v) {
   return {b.around.data() + b.start[k], static_cast<std::size_t>(b.start[k + 1] - b.start[k])};
 }
 
+// Flood fill over neighbors of the same kind; without kinds all material is alike.
 MaterialParts material_parts(const BackgroundMesh& b, const Eigen::VectorXd& phi, std::span<const char> kind) {
   const std::size_t n = b.mesh.points.size();
   MaterialParts parts{std::vector<Index>(n, none), {}};
@@ -55,6 +56,7 @@ void empty_parts(const BackgroundMesh& b, const MaterialParts& parts, const std:
     }
 }
 
+// Without loads the largest part stays; with them all parts that touch a loaded side.
 void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
   const MaterialParts parts = material_parts(b, phi, {});
   if (parts.first.size() < 2) return;

@@ -91,6 +91,7 @@ void write_holes(Checkpoint& c, const std::vector<NucleatedHole>& holes) {
   c.numbers["nucleated"] = Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
+// Places are finite; T, c2 and what was made may be unknown.
 std::vector<NucleatedHole> read_holes(const Checkpoint& c) {
   NumberReader in(numbers_of(c, "nucleated"));
   LineReader notes(in.empty() && !c.texts.contains("nucleated") ? "" : std::string_view(text_of(c, "nucleated")));
@@ -107,6 +108,7 @@ std::vector<NucleatedHole> read_holes(const Checkpoint& c) {
 
 }  // namespace
 
+// Designs as functions, bounds and scalars; what they look like is drawn and solved again.
 Checkpoint packed(const DescentState& s) {
   Checkpoint c;
   for (const auto& [name, member] : vectors) c.numbers[name] = s.*member;

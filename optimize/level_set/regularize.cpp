@@ -36,6 +36,7 @@ struct Helmholtz::Impl {
   Eigen::SimplicialLDLT<Sparse> factor;
 };
 
+// Mass of linear elements: area/6 on the diagonal, area/12 beside it.
 Helmholtz::Helmholtz(const BackgroundMesh& background, double r) : impl_(std::make_unique<Impl>()) {
   const Mesh& mesh = background.mesh;
   std::vector<Eigen::Triplet<double>> entries;
@@ -87,6 +88,7 @@ struct ElasticProduct::Impl {
   Eigen::SimplicialLDLT<Sparse> factor;
 };
 
+// Unknowns are 2 vertex + component.
 ElasticProduct::ElasticProduct(const BackgroundMesh& background, double r) : impl_(std::make_unique<Impl>()) {
   const Mesh& mesh = background.mesh;
   std::vector<Eigen::Triplet<double>> entries;

@@ -11,6 +11,7 @@
 
 namespace kerf {
 
+// Loads get strips that stay solid, supports none: `held` tells which they are.
 Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
   // Masks that end on the outline hold its vertices, too; what is of another material may not be touched.
   Solid solid{.width = width};

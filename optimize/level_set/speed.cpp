@@ -270,6 +270,7 @@ double shape_residual(const MovingDesign& of, const StepLimits& limits) {
   return shape_residual(m.total(m.gain, multiplier), price_at(multiplier, m), m);
 }
 
+// Predictions are of the smoothed speed, which is what the boundary does.
 BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, const ElasticProduct* elastic) {
   const BoundaryRate& rate = of.objective;
   BoundaryStep s{.price = limits.price, .multiplier = std::vector<double>(of.bounded.size(), 0), .bounded = {}};

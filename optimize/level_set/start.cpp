@@ -6,6 +6,7 @@
 
 namespace kerf {
 
+// In columns that begin on a half row the first and last discs lie within the box, in the others on its border.
 std::vector<Disc> start_discs(const StartHoles& start, const Vec2& low, const Vec2& high) {
   std::vector<Disc> discs;
   const Vec2 size = high - low;

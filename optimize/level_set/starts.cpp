@@ -49,6 +49,7 @@ Eigen::VectorXd distance_to(const Ground& g, const Shape& body) {
 
 }  // namespace
 
+// A full body has no zero line: its value is far below 0.
 LevelSetStart given_start(const Ground& g) {
   const BackgroundMesh& b = g.background;
   if (g.r.level_set.start_design) return {"the design given", distance_to(g, *g.r.level_set.start_design), 0, false};
@@ -85,6 +86,7 @@ struct Ranked {
   double merit = infinity;
   int solves = 0;
 };
+// What cannot be drawn or solved comes last.
 Ranked rank(const Ground& g, const LevelSetStart& start) {
   Ranked ranked;
   try {
@@ -106,6 +108,7 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
 
 }  // namespace
 
+// Solves of all candidates count as those of the one that is chosen.
 LevelSetStart best_start(const Ground& g) {
   const bool design = g.r.level_set.start_design.has_value(), given = g.r.level_set.start || design;
   // A design is begun with, unless others are asked for beside it.
