@@ -12,6 +12,7 @@
 
 namespace kerf {
 
+// A circle (r = 1) has f f' + e e' = I, and with it the form 4 s:t - tr s tr t of a round hole.
 double ellipse_form(const Material& m, double aspect, double angle, const Mat2& s, const Mat2& t) {
   if (!(aspect >= 1))
     throw Error(Fault::Usage, "elliptic hole: the aspect is " + std::to_string(aspect) + ", it must be at least 1");

@@ -174,6 +174,7 @@ struct Stencil {
   }
 };
 
+// Rows are the first angle, of period pi, columns the second, of period 2 pi.
 double interpolated(const CutTable& table, double first, double second) {
   const Stencil a(first, pi, table.values.rows()), b(second, 2 * pi, table.values.cols());
   double sum = 0;
@@ -247,6 +248,7 @@ CutTable tabulate(const VonMises& law, double p, const CutShape& cut) {
   return table;
 }
 
+// The angle of the deviator is twice that of its axes, so that a turned cut turns it by twice its angle.
 double exterior(const CutTable& table, const Mat2& s, double angle) {
   const PlaneParts parts = split(s);
   const double deviator = std::hypot(parts.x, parts.y), size = std::hypot(parts.mean, deviator);

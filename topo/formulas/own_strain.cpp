@@ -7,6 +7,7 @@
 
 namespace kerf {
 
+// e33 enters the plane with (nu* - nu) more along both axes.
 Eigenstrain seen_in(const Eigenstrain& here, const Material& around, const Material& inside) {
   Eigenstrain there = here;
   if (!here.out_of_plane) return there;

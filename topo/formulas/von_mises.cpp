@@ -67,6 +67,7 @@ struct Cell {
   double a, b, from, to;  // theta, t
 };
 
+// Gauss points in both variables.
 double over(const Integrand& f, const EdgeRule& rule, const Cell& q) {
   double sum = 0;
   for (Eigen::Index i = 0; i < rule.s.size(); ++i) {
@@ -189,6 +190,7 @@ Mat2 power_derivative(const VonMises& v, double p, const Mat2& s) {
   return 0.5 * p * std::pow(value, 0.5 * p - 1) * (v.share * mean + 3 * (0.5 * (s + s.transpose()) - mean));
 }
 
+// Pieces in y = d^2/(m^2 + d^2), the share of the deviator, from 0 to 1.
 PowerTable tabulate(const VonMises& outer, double p, const Transmission& inside, const VonMises& inner) {
   require_power(outer, p);
   PowerTable table{outer, inner, p, inside, {0}, Eigen::MatrixXd(terms, 0)};
@@ -222,6 +224,7 @@ double exterior(const PowerTable& table, const Mat2& s) {
   return std::pow(size, 0.5 * table.p) * (c[0] - x * b - before);
 }
 
+// w (Phi*(s_in) - Phi(s) - Phi'(s):(s_in - s) + Psi): inside, what was there, first order, outside.
 double local_term(const PowerTable& table, const Mat2& s, double weight) {
   const double mean = 0.5 * s.trace();
   const Mat2 deviator = 0.5 * (s + s.transpose()) - mean * Mat2::Identity();

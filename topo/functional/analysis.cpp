@@ -111,6 +111,7 @@ OneSided one_sided(const Model& m, const Field& state) {
   return found;
 }
 
+// slope_i = dJ . Y_i, Y_i the response to a unit force on row i; summed over the parts of the body.
 std::shared_ptr<const Biactive> biactive(const Model& m, OneSided found, const Sensitivity& dJ, const WholeBody& body) {
   if (found.response.empty()) return nullptr;
   auto b = std::make_shared<Biactive>(Biactive{std::move(found.response), std::move(found.opening), {}});
@@ -216,6 +217,7 @@ std::optional<Vec2> overlapping_tip(const Term& term, const Model& m) {
       1e-9 * (mesh.points[static_cast<std::size_t>(first)] - mesh.points[static_cast<std::size_t>(last)]).norm();
   for (const auto& [tip, edge] : {std::pair{first, path.front().edge}, std::pair{last, path.back().edge}}) {
     const Vec2& x = mesh.points[static_cast<std::size_t>(tip)];
+    // A density quadratic in the pressure has a slope that depends on it.
     const auto slope = [&](double pressure) { return term.on_crack({.x = x, .pressure = pressure}).by_pressure; };
     const bool squared = slope(1) != slope(0);
     if (!outer[static_cast<std::size_t>(tip)] && squared && law.gap(x, normal(mesh, edge))[0] < -rounding) return x;
@@ -297,6 +299,8 @@ bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose
   if (term.density && term.uses_displacement)
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
       if (!is_loose(t)) continue;
+      // At the centroid and near the corners, at an arbitrary displacement: a weight may vanish in part of the
+      // triangle.
       std::vector<Vec2> places{centroid(mesh, t)};
       for (const Index v : mesh.triangles[t]) places.push_back(0.9 * mesh.points[v] + 0.1 * places[0]);
       for (const Vec2& x : places)
@@ -374,6 +378,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
         throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
       value =
           potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
+      // J is the energy of the measured body less that of the loaded one: each has its share.
       a.energy_share -= term.factor;
       a.measured_share += term.factor;
       a.measured_model = std::move(other);

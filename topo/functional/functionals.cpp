@@ -30,6 +30,7 @@ Term compliance() {
   return {.kind = "compliance", .linear = true, .work = true};
 }
 
+// Its density sees no place, so that no rule is cut for it.
 Term volume() {
   return {.kind = "volume",
           .linear = true,
@@ -90,6 +91,7 @@ Term crack_opening(Index crack, ScalarField weight) {
           }};
 }
 
+// 1/2 w (p - p_d)^2 over the faces.
 Term crack_pressure(Index crack, ScalarField target, ScalarField weight) {
   return {.kind = "crack_pressure",
           .crack = crack,
@@ -136,6 +138,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
     g.value = moved.dot(traction) - 0.5 * s.cwiseProduct(e).sum() * div;
     // By the gradient: traction (x) along; A is symmetric.
     const Mat2 by_gradient = traction * along.transpose();
+    // Through s in s grad q, through grad u = A s in both, and through the energy.
     g.by_stress = moved * grad_q.transpose() + strain(p.material, by_gradient) - div * e;
     g.by_rotation = by_gradient(0, 1) - by_gradient(1, 0);
     if (loaded) {

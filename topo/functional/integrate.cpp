@@ -303,6 +303,7 @@ Sensitivity derivative_of_work(const Model& m) {
   return d;
 }
 
+// A density that sees no field has an integral and no derivative.
 bool has_domain_derivative(const Term& term) {
   return !term.work && term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation);
 }
@@ -418,6 +419,7 @@ Eigen::VectorXd second_order(const Term& term, const Model& m, const Field& s, I
   return rest;
 }
 
+// Densities that see no field do not change.
 double domain_difference(const Term& term, const Model& m, const Field& s, const Field& change,
                          const std::vector<bool>& use) {
   double total = 0;

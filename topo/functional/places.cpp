@@ -292,6 +292,7 @@ TriangleRule domain_rule(const Model& m) {
   return triangle_rule(8 + m.element.displacement);
 }
 
+// By the circle around the triangle.
 bool wanted(const Term& term, const Triangle& t) {
   if (!term.somewhere) return true;
   const Vec2 center = centroid(t);

@@ -167,6 +167,7 @@ struct DerivativeBounds::Impl {
       t.upper += share * (share > 0 ? i.high : i.low);
     };
     for (int i = 0; i < parts; ++i) {
+      // factor (share_z m n - share/2 m^2), m of the state, n of the adjoint.
       const Bounded& s = *parts_of(state)[i];
       rely_on(s);
       Interval with{0, 0};

@@ -45,6 +45,7 @@ Oriented best_direction(const Expansion& e, const PointValues& v, std::span<cons
     return forms_and_locals(e, e.p, v, products);
   const bool crack = row(e.p).becomes == Becomes::Slit;
   Perturbation p = e.p;
+  // A hole goes where T is least, a crack where it does most.
   const auto rank = [&](double angle) {
     p.angle = angle;
     const double T = forms_and_locals(e, p, v, products).value;

@@ -60,6 +60,7 @@ void BodyReply::load(const Vec2& x0, std::span<const Nucleus> fields, Eigen::Ref
         const Vec2& x = at.x;
         const Eigen::VectorXd basis = trace_basis(trace, s);
         for (std::size_t j = 0; j < fields.size(); ++j) {
+          // Where held w = -G, as moments over the trace's weights; where free the tractions -sigma(G) n.
           const Vec2 moved = fields[j].displacement(x), traction = fields[j].stress(x) * n;
           for (int g = 0; g < static_cast<int>(basis.size()); ++g)
             for (int d = 0; d < 2; ++d) {

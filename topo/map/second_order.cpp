@@ -24,6 +24,7 @@
 
 namespace kerf {
 
+// share = |c2| r^2/|T| solved for r: up to there the second term is at most that share of the first.
 double SecondOrder::valid_radius(double share) const {
   if (!available || T == 0) return available ? 0 : nan;
   return c2 == 0 ? infinity : std::sqrt(share * std::abs(T / c2));

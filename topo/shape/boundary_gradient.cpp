@@ -28,6 +28,7 @@ bool is_free(const Analysis& a, const Functional& j, Index e, const EdgeRule& ru
     if ((term.on_boundary && label == term.label) || (term.measured && label == term.measured->label)) return false;
   const Vec2& from = m.mesh.points[m.mesh.edges[e][0]];
   const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - from, n = outward_normal(m.mesh, e);
+  // A traction that vanishes at the points is none.
   for (const Traction& traction : m.scene.tractions)
     for (Eigen::Index q = 0; label == traction.label && q < rule.s.size(); ++q)
       if (!traction.value(from + rule.s[q] * side, n).isZero(0)) return false;

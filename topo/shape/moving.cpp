@@ -36,6 +36,7 @@ void add_columns(Points& gradient, const Mesh& mesh, Index e, const Mat2& by) {
 
 }  // namespace
 
+// The opposite side turned by 90 degrees, over twice the area.
 Eigen::Matrix<double, 2, 3> barycentric_gradients(const Triangle& t) {
   Eigen::Matrix<double, 2, 3> g;
   const double twice = 2 * area(t);

@@ -162,6 +162,7 @@ void add_tractions(const Model& m, const Eigen::VectorXd& skeleton, Points& grad
   for (const Traction& traction : m.scene.tractions)
     for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
       if (mesh.label[e] != traction.label) continue;
+      // Displacements belong to shares of the edge and stay while it moves.
       const Points at_points = on_edge(m, e, skeleton, edge_unknown(m.inner->skeleton, e));
       Points u(2, rule.s.size());
       for (Eigen::Index q = 0; q < rule.s.size(); ++q)
@@ -347,6 +348,7 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
       if (fields) add_lagrangian(p, t, shape, rule_points(m.inner->kernel.rule, shape), motion);
       if (forces) add_body_force(p, t, shape, motion);
       for (const Parts::Explicit& e : p.terms) density.add(*e.term, e.share, t, shape, motion);
+      // theta = N_i e_k has the gradient e_k (x) grad N_i: column i of the product, and what theta itself adds.
       const Eigen::Matrix<double, 2, 3> by = motion.by_gradient * barycentric_gradients(shape) + motion.rest;
       part.col(t) = by.reshaped();
     }

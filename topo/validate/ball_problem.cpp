@@ -214,6 +214,7 @@ class RadiusProblem {
   void eliminate_contour() {
     outer_ = K00();
     if (clamped()) return;
+    // Kkk of the annulus, and of what fills the disc.
     Eigen::MatrixXd M = Kkk();
     if (of_.inner) M += of_.inner->K;
     middle_ = cholesky(M);
@@ -236,6 +237,7 @@ class RadiusProblem {
   // The ball's boundary, after the rows in contact.
   void move_ball(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& load, BallChange& c) const {
     const Eigen::Index contact = S.rows() - n_;
+    // The ball is eliminated, contact settled by what is left, then the ball follows.
     const Eigen::LLT<Eigen::MatrixXd> of_ball = cholesky(S.topLeftCorner(n_, n_));
     c.contact.setZero(contact);
     c.push.setZero(contact);

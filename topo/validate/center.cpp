@@ -30,6 +30,7 @@ Center::Center(const Model& m, const BallIn& ball) : m_(m), at_(ball.at), last_(
   fit_.compute(a);
 }
 
+// T, what it could be without cancellation, and its parts, all from the fitted fields.
 Center::Value Center::value(const Expansion& e) const {
   PointValues v = point_values(
       e, [&](const FieldOf& of) { return stress(of.field); },

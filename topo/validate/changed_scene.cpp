@@ -24,6 +24,7 @@ void add_inclusion(Index around, const Material& inside, Scene& scene) {
 
 }  // namespace
 
+// A clamp is a support on `rim`, a label that the mesh gets for it; a hole changes no scene.
 Scene changed_scene(const Scene& scene, Index rim, const Perturbation& p, const ScenesOfChanges& drawn,
                     const DrawnChangeAt& at) {
   if (drawn) return drawn(p, at);

@@ -75,6 +75,7 @@ std::vector<Vec2> chosen_points(const Choice& c) {
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
   const double typical = sizes[sizes.size() / 2];
   constexpr double enough = 4;  // radii to the next feature
+  // Visible parts, room and a T of typical size: each takes its share off.
   const auto value = [&](const Candidate& k) {
     constexpr double blind = 0.02;  // a point that misses a mode is better than none
     return (blind + k.score) * std::min(1.0, k.room / enough) * (typical > 0 ? std::min(1.0, k.size / typical) : 1);

@@ -28,6 +28,7 @@ bool sees_fields(const Term& term) {
 double change_of_power(const Term& term, double value, double d) {
   if (term.power == 1) return term.factor * d;
   const double before = std::pow(value, 1 / term.power);
+  // A norm of nothing: its change is the power of the change itself.
   if (before == 0) return term.factor * std::pow(std::max(d, 0.0), term.power);
   return term.factor * value * std::expm1(term.power * std::log1p(d / before));
 }

@@ -114,6 +114,7 @@ class Drawer {
     }
   }
 
+  // T at the same center on the drawn body's mesh.
   double formula(const Analysis& a, const BallIn& ball, const Change& c) const {
     if (!has_series(sketch_.p)) return clamped_at(a, sketch_.j, c.radius, std::span(&ball.at, 1))[0];
     const Perturbation p = turned(c);

@@ -121,6 +121,7 @@ class Outside {
         sum.segment(b.at, b.count) = changes_on(term, m_, *in_.a.state, t, w.middleCols(b.at, b.count));
   }
 
+  // Each change without the triangles of its own ball.
   void share_out(const Eigen::MatrixXd& part) const {
     for (Eigen::Index k = 0; k < count_; ++k) {
       const Column& c = columns_[static_cast<std::size_t>(k)];

@@ -25,6 +25,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
   const double size = extent(shape);
   double least = infinity;
   in_body = true;
+  // Regions are features, and not outside the body.
   const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
     const Polygon p = flatten(l, 1e-4 * size, size);
     for (std::size_t i = 0; i < p.points.size(); ++i)
@@ -99,6 +100,7 @@ std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, co
   return in_batches(sites, sites.size());
 }
 
+// Holes with polygons of that many sides: what fills them is put into the mesh afterwards.
 Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {
   Shape outside = shape;
   outside.labels.emplace_back("balls of the validation");

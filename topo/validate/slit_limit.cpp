@@ -10,6 +10,7 @@ namespace kerf {
 
 namespace {
 
+// Up to the power 2 J converges like the energy; from 4 on it is infinite.
 bool is_slow(const Term& term) {
   constexpr double as_the_energy = 2, infinite = 4;
   return term.stress_power > as_the_energy && term.stress_power < infinite;

@@ -45,6 +45,7 @@ double plateau_of(const Element& e, const Perturbation& p) {
   return round * aspect(p);
 }
 
+// Largest radius first, each once.
 ValidationRequest checked(ValidationRequest r, double size) {
   std::sort(r.radii.begin(), r.radii.end(), std::greater<>());
   r.radii.erase(std::unique(r.radii.begin(), r.radii.end()), r.radii.end());
@@ -117,6 +118,7 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
           shape.cracks[c].arc ? points_on(*shape.cracks[c].arc, 2) : shape.cracks[c].points;
       if (points.front() == points.back()) continue;  // closed: no tips
       for (const Vec2& tip : {points.front(), points.back()}) {
+        // Some deviator tells whether the weight lets the tip count.
         const FieldPoint at{.x = tip, .stress = Vec2(1, -1).asDiagonal(), .material = scene.material};
         if (term.density(at).value > 0)
           return fmt::format(
@@ -215,6 +217,7 @@ class Validating {
     } catch (const Error& e) {
       second = {.verdict = Verdict::NothingSaid, .reason = e.what()};
     }
+    // What is wrong: the limit of the series, or its second term.
     const auto apart = [&](const Validation& of) {
       return of.drawn.apart == 0 ? of.c2 - of.c2_predicted : of.drawn.apart;
     };
@@ -339,6 +342,7 @@ class Validating {
     v.size = std::max(v.size, parts);
   }
 
+  // Of the same body on two meshes: their difference is what a mesh leaves of c2.
   void read_second(SecondOrders& on_series, const Site& site, Validation& v) {
     const SecondOrder found = on_series.at(site.at);
     v.logarithm = found.logarithm;
@@ -382,6 +386,7 @@ class Validating {
                                 const std::vector<Difference>& found, Validation& v) const {
     std::vector<double> scales(v.rows.size(), nan);
     for (std::size_t k = 0, row = 0; k < site.radii.size(); ++k) {
+      // Rows of radii that do not fit stay blank.
       while (v.rows[row].radius != site.radii[k]) ++row;
       ValidationRow& to = v.rows[row];
       scales[row] = ball.enclosed_area[k + 1];

@@ -169,6 +169,7 @@ class Series {
     if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
     if (rounding_rules())
       return {Verdict::NothingSaid, "the differences of the smallest radii are rounding; use larger radii"};
+    // An error that is small against what T is made of, of a T that is itself a small rest.
     if (has_series_ && error <= allowed_ * could_be_ && std::abs(T_) < 0.1 * could_be_)
       return {Verdict::NothingSaid,
               fmt::format("the coefficient is {:.2g} of what stresses of this size could give: what cancels hides it; "
@@ -190,6 +191,7 @@ class Series {
     return best;
   }
   // 0 where what is wrong is not the limit.
+  // How far the limit is from T, in what the drawn change is measured by.
   double apart(std::size_t i) const {
     return excluded() ? (fit_.intercept - T_) * (has_series_ ? 1 : scale_[i]) : 0;
   }
@@ -259,6 +261,7 @@ class Series {
       if (computed(--i)) --left;
     return i;
   }
+  // What c2 says beside a verdict that it does not decide.
   std::string second_in_words() const {
     if (!std::isfinite(v_.c2_predicted)) return {};
     std::string words = fmt::format("; c2 is {:.4g} by the formula and {:.4g} by the series", v_.c2_predicted, v_.c2);
