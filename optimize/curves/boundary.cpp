@@ -267,6 +267,7 @@ std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, 
   if (fence.corners.empty()) return near;
   const Samples samples = samples_of(d, fine * size);
   const Shape body = shape_of(d);
+  // Corners that are points of the body already need no look.
   const auto starts_at = [&](const Loop& loop, const Vec2& x) {
     return std::ranges::any_of(loop.sides, [&](const Side& side) { return (side.start - x).norm() < 1e-6 * size; });
   };
@@ -557,6 +558,7 @@ double overhang(const DesignCurves& d, const Shape& frame, double size) {
 LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& frozen,
                           const Clearances& how) {
   LinearRows rows;
+  // Widths and distances are seen at steps of half an element.
   const Samples samples = samples_of(d, 0.5 * how.size);
   add_widths(d, samples, how, rows);
   add_fixed(d, samples, frame, frozen, how, rows);

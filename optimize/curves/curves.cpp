@@ -98,6 +98,7 @@ class CurvesRun {
   CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
             const CurvesObserver& see, const std::vector<CurvesRow>& known)
       : p_(p), asked_(r), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(curve_size(p, how)) {
+    // asked_ has the bounds that the user set, r_ those in force, which may leave room.
     whole_ = area(p.frame);
     volume_price_ = price_of_volume(p, r) + r.volume_penalty;
     // An area of the whole frame bounds nothing.
@@ -230,6 +231,7 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
 
 // `gradients` are the columns by_J, by_bound.
 void CurvesRun::recall(const CurvesRow& row, Point& x) const {
+  // No mesh is built: only where one would be made is noted.
   x.fresh = row.fresh;
   x.rebased = row.rebased;
   if (row.fresh) x.base = std::make_shared<Base>(Base{x.curves});
@@ -261,6 +263,7 @@ bool CurvesRun::replays(const CurvesRow& row, const DesignCurves& d, bool meshed
 std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base,
                                          std::string& failure) {
   Point x{.curves = d, .base = base};
+  // Evaluation k of a run replays row k of the one before.
   const auto number = std::size_t(evaluations_++);
   const bool replay = number < known_.size();
   if (replay) {
@@ -535,6 +538,7 @@ bool CurvesRun::iterate() {
       return false;
     }
     const VectorXd step = step_to_shape();
+    // The largest normal move.
     last_step_ = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
     const double fall = predicted(x_, step);
     if (!(fall > too_little * std::abs(x_.J))) {

@@ -107,6 +107,7 @@ ChainTrace with_mouths(std::vector<Vec2> points, bool closed, const std::vector<
   return trace;
 }
 
+// An arc runs evenly in its share: |dx/dpart| is its length.
 std::vector<double> segment_lengths(const ArcChain& chain) {
   std::vector<double> all;
   for (std::size_t k = 0; k < segment_count(chain); ++k)
@@ -396,6 +397,7 @@ Vec2 Rail::point(double coordinate) const {
   return arc ? kerf::at(*arc, coordinate) : Vec2(from + coordinate * along);
 }
 
+// Of unit length on a straight rail.
 Vec2 Rail::velocity(double coordinate) const {
   return arc ? kerf::velocity(*arc, coordinate) : along;
 }

@@ -225,6 +225,7 @@ Builder::Builder(const Problem& p, const OptimizeRequest& r, double cells) : p_(
   const double area = area_of(all);
   const Index n = cells_along(all, std::sqrt(cells / area));
   along_ = n;
+  // The longer side of the box has the number of cells that was chosen, the other one as many as cover it.
   const int shorter = box_.size.x() < box_.size.y() ? 0 : 1;
   const Index m = std::max<Index>(1, static_cast<Index>(std::ceil(box_.size[shorter] * n - snap)));
   l_.columns = shorter == 0 ? m : n;
@@ -340,6 +341,7 @@ void Builder::loads() {
     l_.force = (l_.force / largest).unaryExpr(&rounded);
     for (Points& body : l_.body) body = (body / largest).unaryExpr(&rounded);
   }
+  // f . u is largest^2 / modulus in the body's units where it is 1 on the lattice.
   l_.compliance_unit = largest * largest / modulus_unit_;
 }
 

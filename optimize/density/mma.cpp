@@ -100,6 +100,7 @@ Mma::Mma(Eigen::VectorXd low, Eigen::VectorXd high, double move, bool reciprocal
 /// Nearer where a variable swings, further where it keeps going.
 void Mma::move_asymptotes(const Eigen::VectorXd& x) {
   const Eigen::ArrayXd range = high_ - low_;
+  // L just below the bound: q/(x - L) is the reciprocal of a density; what grows with one is nearly linear.
   if (reciprocal_) {
     lower_ = low_ - (at_low * range).matrix();
     upper_ = x + (farthest * range).matrix();

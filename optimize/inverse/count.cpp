@@ -33,6 +33,7 @@ LeastSquares of_none(const Problem& p, const Readings& readings) {
   for (std::size_t i = 0; i < readings.at.size(); ++i)
     // x and y in turn, as sensors read them.
     measured.segment<2>(2 * static_cast<Eigen::Index>(i)) = readings.displacement[i];
+  // The misfit of the body as it is: nothing varies.
   LeastSquares fit{.readings = static_cast<int>(measured.size()), .state_solves = 1, .stopped = "nothing to fit"};
   fit.start = fit.end = (Sensors(m.mesh, readings).read(m, s) - measured).squaredNorm();
   fit.estimated = !(readings.noise > 0);
@@ -40,6 +41,7 @@ LeastSquares of_none(const Problem& p, const Readings& readings) {
   return fit;
 }
 
+// Fixed variables cost nothing in the criterion.
 int free_variables(const Design& d) {
   int count = 0;
   for (const Drawn& one : d.drawn) count += static_cast<int>((one.lower.array() < one.upper.array()).count());

@@ -77,12 +77,14 @@ std::vector<Thing> things(const Shape& shape, const Scene& scene, const Problem&
   return all;
 }
 
+// A crack may be written from either end: the order that is nearer to the one found.
 void turn_towards(const VectorXd& found, VectorXd& ends) {
   VectorXd other(4);
   other << ends.tail<2>(), ends.head<2>();
   if ((other - found).norm() < (ends - found).norm()) ends = other;
 }
 
+// Of a crack the worse one of its ends counts.
 double away(const Thing& a, const Thing& b) {
   if (a.sort != Sort::Crack) return (a.value.head<2>() - b.value.head<2>()).norm();
   VectorXd ends = b.value;

@@ -380,6 +380,7 @@ struct Search {
     }
   }
 
+  // Sizes by area = pi size^2; that of a crack is half its length.
   std::vector<Guess> guesses() const {
     std::vector<Guess> out;
     for (std::size_t i = 0; i < picks.size(); ++i)

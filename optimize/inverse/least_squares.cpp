@@ -38,6 +38,7 @@ struct Linearized {
   MatrixXd G;  // variables x columns of Q; zero rows for fixed variables
 };
 
+// The method of Levenberg and Marquardt, with the mesh of the round and one for trials that it cannot follow.
 class Fit {
  public:
   Fit(const Problem& p, const OptimizeRequest& r, const Readings& readings)
@@ -141,12 +142,14 @@ Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   // Columns are scaled first: the rank is of directions, not of units.
   const Eigen::ColPivHouseholderQR<MatrixXd> qr = pivoted_qr(quotients.leftCols(columns));
   const MatrixXd basis = orthonormal(qr, qr.rank());
+  // Readings weighted by the columns of Q, as functionals.
   const auto asked = [&](const Model& m) {
     std::vector<Functional> all;
     for (Eigen::Index k = 0; k < basis.cols(); ++k)
       all.push_back({"reading", {here_.sensors->weighted(m, basis.col(k))}});
     return all;
   };
+  // No numbers are read off: derivatives alone are asked for.
   const auto nothing = [](const Model&, const Field&) { return VectorXd(); };
   ++out_.state_solves;
   const Evaluations::Response found = here_.evaluations->respond(x, nothing, asked);

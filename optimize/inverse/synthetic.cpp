@@ -155,6 +155,7 @@ Measurement measure(const Synthetic& s, int threads) {
   return out;
 }
 
+// What is prescribed is no reading.
 Readings readings_of(const Measurement& m, const Synthetic& s) {
   Readings r{.label = s.label, .at = {}, .displacement = {}, .noise = s.noise * m.scale};
   for (std::size_t i = 0; i < m.at.size(); ++i)

@@ -158,6 +158,7 @@ class Handle {
 
 }  // namespace
 
+// FNV-1a of 64 bits.
 std::uint64_t checksum(std::string_view bytes) {
   std::uint64_t sum = 14695981039346656037u;
   for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;

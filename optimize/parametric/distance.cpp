@@ -68,6 +68,7 @@ void points_to_pieces(const DesignCurve& a, const DesignCurve& b, bool container
     });
 }
 
+// Without columns the center is fixed.
 VectorXd product(const Matrix2Xd& by, const Vec2& direction, Eigen::Index size) {
   return by.cols() == 0 ? VectorXd(VectorXd::Zero(size)) : VectorXd(by.transpose() * direction);
 }

@@ -329,6 +329,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   DesignEvaluation result;
   result.round = s.round;
   s.spare = std::exchange(s.last, nullptr);
+  // What needs no mesh is known even where meshing or solving fails.
   s.constrain(x, gradients, result);
   Evaluation& e = result.evaluation;
   // What violates the geometry by more than half the distance is not meshed, but for a round's first design.

@@ -236,6 +236,7 @@ const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
     answer(*e, gradients);
   }
   if (first) {
+    // NLopt sees the objective over its scale at the start.
     first_scale_ = scale_of(*e, program_.lower, program_.upper);
     nlopt_scale_ = first_scale_ > 0 ? first_scale_ : 1;
   }

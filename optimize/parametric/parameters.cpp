@@ -463,6 +463,7 @@ OptimizeResult Rounds::run() {
   restore();
   for (const FunctionalBound& bound : request_.bounds) at_most_.push_back(bound.at_most);
   const OptimizeMethod method = request_.method;
+  // The first evaluation of a round is made before NLopt asks for it: a mesh has to be there.
   std::optional<DesignEvaluation> begun;
   const Program asked = program(begun);
   VectorXd x = begin();

@@ -80,6 +80,7 @@ std::optional<std::string> out_of_body(const Drawn& d, const Depth& depth) {
     }
     case Drawn::Kind::Crack:
       for (Eigen::Index i = 0; i < l.size(); i += 2)
+        // A vertex may lie on the boundary, where cracks end: the error of chords and rounding are allowed.
         if (depth.most(l.segment<2>(i), u.segment<2>(i)) < -1e-9 * (u - l).norm() - depth.chord())
           return fmt::format("the box of point {} lies outside the body; move it", i / 2 + 1);
       break;

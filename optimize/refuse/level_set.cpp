@@ -147,6 +147,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
   if (std::ranges::none_of(unholed, [](bool here) { return here; })) return refuse("leave no body to begin with");
   std::vector<Index> held;
   for (const Support& s : p.scene.supports) held.push_back(s.label);
+  // Without supports there is nothing that loads could be cut off from.
   if (held.empty()) return;
   const std::vector<int> piece = pieces_of(l, solid);
   const auto touched = [&](const std::vector<Index>& labels) {
@@ -198,6 +199,7 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
     all.push_back({"optimize.frozen",
                    "frozen in [optimize]: the regions together cover the whole body: nothing is "
                    "left to design"});
+  // A lower bound of the share.
   const double share = frozen / area(p.frame);
   if (!everything && r.volume_at_most && share > *r.volume_at_most)
     all.push_back({"optimize.volume.at_most",

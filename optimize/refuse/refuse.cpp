@@ -30,6 +30,7 @@ bool is_zero(const std::array<Interval, 2>& value) {
 /// Whether data are known to vanish on all of a label.
 bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
   if (!f.known()) return false;
+  // Over every side of the label: straight ones along their line, arcs by a box.
   std::vector<const Loop*> loops{&body.outline};
   for (const Loop& hole : body.holes) loops.push_back(&hole);
   for (const Loop* loop : loops)

@@ -42,6 +42,7 @@ std::function<Spot(const Vec2& x)> locate_on_crack(const VectorXd& v, double) {
   return [points = path(v)](const Vec2& x) { return place_on(points, false, x); };
 }
 
+// Linear in both ends of its edge.
 Vec2 position_on_crack(const Spot& spot, const VectorXd& v) {
   return vertex_of_crack(v, spot.piece) +
          spot.part * (vertex_of_crack(v, spot.piece + 1) - vertex_of_crack(v, spot.piece));
