@@ -87,7 +87,7 @@ double unit_of(double at_most) {
   return at_most != 0 ? std::abs(at_most) : 1;
 }
 
-// An arc that turns by nearly half a circle has no place between its knots any more.
+// An arc that turns by nearly half a circle has no place between its knots.
 bool is_shape(const DesignCurves& d) {
   return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
          !find_problem(shape_of(d));

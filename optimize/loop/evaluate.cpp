@@ -2,7 +2,7 @@
 // load case. Load cases differ in their loads alone and share the factor of the first. Terms and laws of cracks follow
 // the parts that carving leaves of each crack: a crack cut in two counts twice, one cut away not at all. Analyses
 // (adjoints) are made when asked for, per load case for the objective and for the worst one of a bound. A model that
-// nobody needs any more lends its ordering and memory to the next mesh of the same topology.
+// nobody needs lends its ordering and memory to the next mesh of the same topology.
 
 #include "optimize/loop/evaluate.hpp"
 
