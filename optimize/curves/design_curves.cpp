@@ -278,9 +278,11 @@ class Builder {
     const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();
     // At a corner of the frame it may move away from it, along this side.
     const double there = at + way_along(side, on->rail, other.at, x);
+    // A side without length leaves no way to slide.
     if (std::abs(there - at) * unit < near_) return;
     KnotHold& hold = d_.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
     hold.kind = KnotHold::Kind::Slides;
+    // A side of the frame is one rail, however many chains end on it.
     const auto known = rails_.find(on->number);
     if (known == rails_.end()) {
       rails_[on->number] = hold.rail = Index(d_.rails.size());

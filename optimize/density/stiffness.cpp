@@ -30,6 +30,7 @@ struct CellMatrices {
           strain(0, 2 * i) = strain(2, 2 * i + 1) = dx;
           strain(1, 2 * i + 1) = strain(2, 2 * i) = dy;
         }
+        // eps : C eps = 2 mu (xx^2 + yy^2 + 2 xy^2) + lambda (xx + yy)^2, the third strain twice xy.
         const Eigen::Matrix<double, 1, 8> trace = strain.row(0) + strain.row(1);
         mu += (strain.transpose() * Eigen::Vector3d(2, 2, 1).asDiagonal() * strain) / 4;
         lambda += trace.transpose() * trace / 4;

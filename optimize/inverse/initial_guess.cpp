@@ -183,6 +183,7 @@ struct Dictionary {
   Eigen::MatrixXd columns;  // place by place
   Eigen::VectorXd squares;
 
+  // Columns run through the variants of a place, then of the next one.
   const Vec2& place(Eigen::Index column) const {
     return x[static_cast<std::size_t>(column) / variants.size()];
   }
@@ -263,6 +264,7 @@ struct Search {
   double apart(std::size_t i, std::size_t k) const {
     return (sought[i].turns ? 0 : sought[i].least) + (sought[k].turns ? 0 : sought[k].least) + clear;
   }
+  // `but`: another thing that is placed anew with it.
   bool keeps_apart(std::size_t i, const Vec2& x, std::size_t but) const {
     for (std::size_t k = 0; k < picks.size(); ++k)
       if (k != i && k != but && picks[k].column.size() > 0 && (picks[k].x - x).norm() < apart(i, k)) return false;

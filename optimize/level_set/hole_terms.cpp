@@ -31,6 +31,7 @@ HoleExpansion::HoleExpansion(std::vector<WeightedAnalysis> objective, std::vecto
   for (WeightedAnalysis& of : bounds) add(std::move(of), true);
 }
 
+// T at centroids ranks places, c2 at points tells radii.
 void HoleExpansion::add(WeightedAnalysis of, bool bound) {
   static const Perturbation hole;
   auto part = std::make_unique<Part>(Part{std::move(of), {}, nullptr, bound});

@@ -24,6 +24,7 @@ namespace kerf {
 
 namespace {
 
+// A bound of 0 admits nothing.
 double relative(double value, double at_most) {
   return (value - at_most) / std::max(std::abs(at_most), 1e-300);
 }

@@ -192,6 +192,7 @@ struct Evaluations::Impl {
                   VectorXd* gradient) const {
     const Analysis a = analyze(j, model, state, gradient == nullptr);
     if (!gradient) return a.value;
+    // Forces on all vertices go to those that are given; of these the followers pull on variables.
     const Points force = gather(base.extension, shape_gradient(a, j));
     Points on(2, static_cast<Eigen::Index>(base.followers.size()));
     for (std::size_t k = 0; k < base.followers.size(); ++k)
@@ -353,6 +354,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
     s.solve_on(*mesh, s.built(s.bases[static_cast<std::size_t>(result.base)]), x, gradients, result);
   } catch (const Error& error) {
     if (error.fault != Fault::Geometry && error.fault != Fault::Numerics) throw;
+    // What cannot be meshed or solved is an answer to the minimizer; other errors end the run.
     e.failure = error.what();
     result.fault = error.fault;
     s.last.reset();

@@ -175,6 +175,7 @@ std::optional<Mesh> carry(const Extension& e, const Mesh& before, std::span<cons
     const Points all = extend(e, motion);
     for (std::size_t v = 0; v < mesh.points.size(); ++v) mesh.points[v] += all.col(static_cast<Eigen::Index>(v));
   }
+  // Angles that are small already may fall to 0.6 of what they are.
   const std::vector<double> angles = smallest_angles(mesh);
   for (std::size_t t = 0; t < angles.size(); ++t)
     if (!(angles[t] >= std::min(most.least_angle, 0.6 * before_angles[t])) || distorted(before, mesh, t, most.stretch))

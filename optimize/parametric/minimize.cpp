@@ -174,6 +174,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
       least = d;
     }
   };
+  // A linear model needs a neighbor with slopes, where one has them.
   look(gradients);
   const bool sloped = gradients && near;  // where derivatives fail all the same, cobyla has evaluated none
   if (!near) look(false);
@@ -195,6 +196,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
     const double slope = 10 * (j == 0 ? scale_of(*near, program_.lower, program_.upper) : 1.0);
     failed.values[j] = std::max(failed.values[j], near->values[j]) + slope * least;
     if (!sloped) continue;
+    // The gradient of slope |z - z_near|, z in boxes.
     VectorXd uphill = VectorXd::Zero(n);
     for (const Eigen::Index i : free_)
       if (least > 0) uphill[i] = slope * step[i] / (least * width_[i] * width_[i]);
@@ -231,6 +233,7 @@ const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
     if (e->values.size() != 1 + program_.constraints || !e->values.allFinite() || !e->gradients.allFinite())
       throw Error(Fault::Numerics, "the functionals are not finite at a design");
   } else {
+    // There is no neighbor yet to answer from.
     if (first) throw Error(Fault::Geometry, "the start of the design cannot be evaluated: " + e->failure);
     if (std::find(failures_.begin(), failures_.end(), e->failure) == failures_.end()) failures_.push_back(e->failure);
     answer(*e, gradients);
@@ -298,6 +301,7 @@ double Run::objective(unsigned n, const double* z, double* gradient, void* self)
   return e ? e->values[0] / scale : HUGE_VAL;
 }
 
+// Gradients row by row, a constraint each, as NLopt has them.
 void Run::constraints(unsigned m, double* values, unsigned n, const double* z, double* gradient, void* self) {
   Run& run = *static_cast<Run*>(self);
   const Evaluation* e = run.guarded(z);
@@ -484,6 +488,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index i = free[static_cast<std::size_t>(k)];
     const double width = upper[i] - lower[i], z = std::clamp((e.x[i] - lower[i]) / width, 0.0, 1.0);
+    // In variables from 0 to 1: slopes times widths.
     g[k] = e.gradients(i, 0) * width;
     for (Eigen::Index j = 0; j < m; ++j) A(k, j) = e.gradients(i, near[static_cast<std::size_t>(j)]) * width;
     // The best multiplier of a bound leaves of the slope r: |(r - m, m d)| = |r| d/sqrt(1 + d^2).
@@ -513,6 +518,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     }
     if (m == 0) break;
     MatrixXd rows(n + m, m);
+    // Both are to vanish: weighted slopes, and multipliers times what their constraints leave free.
     rows << weight.asDiagonal() * A, MatrixXd(complement.asDiagonal());
     VectorXd right = VectorXd::Zero(n + m);
     right.head(n) = -weight.cwiseProduct(g);

@@ -367,6 +367,7 @@ std::optional<DesignEvaluation> Rounds::begin_round(int round, const VectorXd& x
     return std::nullopt;
   }
   DesignEvaluation begun = evaluate(x, wants_gradients());
+  // Without a start there is no run; a later round leaves the design of the one before.
   if (const std::string& failure = begun.evaluation.failure; !failure.empty()) {
     if (round == 0) throw Error(begun.fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
     if (next_ > restored_) keep();
@@ -439,6 +440,7 @@ bool Rounds::leave_room(const Iteration& row) {
     at_most_.assign(tight.begin(), tight.end());
   } else {
     finer_ = solve_finer_design(row.variables);
+    // Kept: the end asks for the same design on that mesh.
     finer_at_ = row.variables;
     std::vector<double> tight = with_more_room(finer_, request_, at_most_, row.bounds);
     if (tight.empty()) return false;
@@ -488,6 +490,7 @@ OptimizeResult Rounds::run() {
                       .simplex = round == 0 ? 0.1 : 0.02});
     note(found);
     x = found.best.x;
+    // Rows know their variables: the best design is the last row that has them.
     best = first;
     for (std::size_t i = first; i < result_.history.size(); ++i)
       if (result_.history[i].variables == x) best = i;

@@ -40,6 +40,7 @@ std::vector<Vec2> points_along(const Shape& shape, double step) {
   return out;
 }
 
+// x' - p = 2 (d . (x - p)) d - (x - p), d along the line through p.
 Vec2 reflected(const Mirror& mirror, const Vec2& x) {
   const Vec2 away = x - mirror.point;
   return mirror.point + 2 * mirror.direction * mirror.direction.dot(away) - away;

@@ -171,6 +171,7 @@ Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
         const auto count = static_cast<Index>(c.points.size());
         SoftMinimum soft(least / sharpness, n, 0);
         for (Index i = 0; i < count; ++i)
+          // Each pair once, without neighbors along the curve on either side.
           for (Index k = i + count / 4; k < count && k <= i + count - count / 4; ++k) {
             const Vec2 away = c.points[static_cast<std::size_t>(i)] - c.points[static_cast<std::size_t>(k)];
             const double size = away.norm();
@@ -224,6 +225,7 @@ void constrain_spline(const Drawn& d, Eigen::Index first, double least, std::vec
   all.push_back(smooth_enough(d, first));
 }
 
+// The mean of the control points is that of the curve over its parameter.
 Vec2 middle(const VectorXd& xy) {
   Vec2 sum = Vec2::Zero();
   for (Eigen::Index i = 0; i + 1 < xy.size(); i += 2) sum += xy.segment<2>(i);
