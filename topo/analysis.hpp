@@ -55,7 +55,8 @@ Missed missed(const Term& term, const Model& model);
 /// a J that is neither an energy nor linear in the state, or that sees contact.
 bool needs_points(const Model& model, const Functional& j, const Perturbation& p);
 
-/// No eigenstrain and no prescribed displacement but 0: then the compliance is -2 times the potential energy.
+/// No eigenstrain, no friction and no prescribed displacement but 0: then the compliance is -2 times the potential
+/// energy.
 bool has_self_adjoint_work(const Model& model);
 
 /// Whether the term is a multiple of an energy at the state, so that it needs no adjoint.

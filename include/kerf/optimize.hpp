@@ -226,13 +226,14 @@ struct CheckpointPlace {
 /// Minimizes J + penalty * area over the boundary: a level set on a mesh of the frame, its design meshed anew in every
 /// iteration, moved by the shape gradient or the fixed point of the topological derivative; holes appear where the
 /// topological derivative pays (request.level_set.nucleate_every). The area falls to the one wanted first, then J falls
-/// until no step of 3% of the mesh size makes it fall further, or over 8 iterations by less than the tolerance;
-/// request.max_iterations in all. What bears supports, loads and functionals stays solid. `place`: after every
-/// iteration a checkpoint is written; resumed, the run goes on from there and ends with the same bits. Every iterate is
-/// shown to `see`. The end is "optimal" where the shape residual (root mean square over what can move of (rate of J -
-/// price)/price, without waves shorter than the mesh size) is at most 0.1, no small hole pays, and the constraints hold
-/// on a mesh of half the size. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry) or
-/// Error(Numerics) when the start cannot be meshed or solved.
+/// until no step of 5% of the mesh size makes it fall further, or over 8 iterations by less than 0.2 % (the fixed
+/// point: by less than the tolerance); request.max_iterations in all. What bears supports, loads and functionals stays
+/// solid. `place`: after every iteration a checkpoint is written; resumed, the run goes on from there and ends with the
+/// same bits. Every iterate is shown to `see`. The end is "optimal" where the shape residual (root mean square over
+/// what can move of (rate of J - price)/price, without waves shorter than the mesh size) is at most 0.02 of curves on
+/// their mesh and 0.05 on the finer one, or 0.05 of a carved design, no small hole or bump pays, and the constraints
+/// hold on a mesh of half the size. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry)
+/// or Error(Numerics) when the start cannot be meshed or solved.
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place);
 

@@ -1,3 +1,13 @@
+// The boundary of a body of curves in samples: how normal moves weigh, a first guess of the second derivative, and the
+// clearances that a step keeps. Normal moves are taken at three Gauss points per arc; M_ij = int phi_i phi_j ds is the
+// product in which the shape residual is measured [theory: K.3]. The guess of the second derivative over the price of
+// area is
+//   int 4 v |d/ds| v + (6/w) v^2 ds,   |d/ds| the square root of -d^2/ds^2 on each chain, w the width of the body,
+// by the pairs K x = lambda M x: M X sqrt(lambda) X' M [theory: K.4]. Clearances are linear rows, row . step <= room:
+// widths of members and gaps along the way between facing samples, distances to what stays solid, regions, cracks and
+// the frame, ends on their rails, the turn of the tightest arcs. A distance below its limit may not shrink; what lies
+// outside the frame must come back. docs/theory/curves.md, sections "Variables and the shape residual" and "Steps".
+
 #include "optimize/curves/boundary.hpp"
 
 #include "base/dense.hpp"
@@ -20,6 +30,7 @@ constexpr double facing = 0.5;         // cosine between a normal and the way ac
 constexpr double at_the_frame = 0.25;  // of the mesh size: between samples where a corner may come in between
 constexpr double neighborhood = 2.2;   // what is nearer along the boundary than this many distances is no other side
 
+// Gauss points and weights on [0, 1].
 constexpr std::array<std::array<double, 2>, 3> three_points{
     {{0.1127016653792583, 5.0 / 18}, {0.5, 8.0 / 18}, {0.8872983346207417, 5.0 / 18}}};
 
@@ -37,6 +48,7 @@ struct Samples {
   std::vector<double> length;  // of the loops
 };
 
+// Samples lie in the middles of equal parts of each arc.
 void add_chain(const DesignCurves& d, Index c, Index loop, double step, double& s, Samples& out) {
   const ArcChain& chain = d.chains[std::size_t(c)];
   for (std::size_t arc = 0; arc < 2 * segment_count(chain); ++arc) {
@@ -51,6 +63,7 @@ void add_chain(const DesignCurves& d, Index c, Index loop, double step, double& 
   }
 }
 
+// Like those of a chain; on the arc of an ellipse the parts are equal in its parameter, not in length.
 void add_side(const Side& side, const Vec2& end, Index loop, double step, double& s, Samples& out) {
   const double l = side.arc ? length(*side.arc) : (end - side.start).norm();
   const int n = std::max(1, int(std::ceil(l / step)));
@@ -68,6 +81,7 @@ void add_side(const Side& side, const Vec2& end, Index loop, double step, double
   s += l;
 }
 
+// A chain takes two sides of the drawn loop per segment, a side of the frame one.
 Samples samples_of(const DesignCurves& d, double step) {
   const Shape shape = shape_of(d);
   Samples out;
@@ -89,6 +103,7 @@ Samples samples_of(const DesignCurves& d, double step) {
   return out;
 }
 
+// The shorter way around the loop.
 double along(const Samples& samples, const Sample& a, const Sample& b) {
   if (a.loop != b.loop) return infinity;
   const double there = std::abs(a.s - b.s);
@@ -108,6 +123,7 @@ class Cells {
     const Sample& a = samples_.all[i];
     double least = within;
     Index found = none;
+    // Cells are as large as the distance looked for, so that the nine around the sample hold all.
     const auto [x, y] = cell(a.at);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy) {
@@ -118,6 +134,8 @@ class Cells {
           const Vec2 way = b.at - a.at;
           const double d = way.norm();
           if (!(d < least) || j == i) continue;
+          // Both normals face the way across, within 60 degrees; and what is near along the boundary itself is no other
+          // side.
           if (side * way.dot(a.left) < facing * d || side * way.dot(b.left) > -facing * d) continue;
           if (along(samples_, a, b) < neighborhood * d) continue;
           least = d;
@@ -136,6 +154,7 @@ class Cells {
   std::map<std::pair<long, long>, std::vector<std::size_t>> cells_;
 };
 
+// The rate of direction . x of the sample by the variables of its chain; fixed samples have none.
 VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& direction) {
   VectorXd row = VectorXd::Zero(d.variables);
   if (s.chain == none) return row;
@@ -144,6 +163,7 @@ VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& directio
   return row;
 }
 
+// A pair that sees each other gives one row.
 void add_widths(const DesignCurves& d, const Samples& samples, const Clearances& how, LinearRows& rows) {
   const double within = how.least + how.reach;
   const Cells cells(samples, within);
@@ -158,6 +178,7 @@ void add_widths(const DesignCurves& d, const Samples& samples, const Clearances&
         continue;  // said by the other one
       const Vec2 way = b.at - a.at;
       const double distance = way.norm();
+      // The width shrinks by n . (move of a - move of b); what is thinner than the least may not get thinner.
       rows.add(move_along(d, a, way / distance) - move_along(d, b, way / distance),
                distance - std::min(how.least, distance));
     }
@@ -205,6 +226,8 @@ struct Fence {
   std::vector<Vec2> corners;  // that point into it
   double near;
 
+  // `flatten` turns all loops counter-clockwise: a corner that points into the body is a right turn of the outline or a
+  // left turn of a hole.
   Fence(const Shape& frame, double chord) : near(1e-3 * chord) {
     const auto add = [&](const Loop& loop, double side) {
       loops.push_back(flatten(loop, chord, infinity).points);
@@ -224,6 +247,7 @@ struct Fence {
   }
   bool has(const Vec2& x) const {
     if (touches(x)) return true;
+    // Even-odd over all loops: inside the outline and in no hole.
     bool in = false;
     for (const std::vector<Vec2>& loop : loops) in = in != inside(loop, x);
     return in;
@@ -236,12 +260,14 @@ struct NearCorner {
   Vec2 way;     // to the corner
   bool beyond;  // the corner is in the body
 };
+// Between two samples a corner of the frame may come into the body; samples a twentieth of the mesh size apart see it.
 std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, double size, double within) {
   constexpr double fine = 0.05;
   std::vector<NearCorner> near;
   if (fence.corners.empty()) return near;
   const Samples samples = samples_of(d, fine * size);
   const Shape body = shape_of(d);
+  // Corners that are points of the body already need no look.
   const auto starts_at = [&](const Loop& loop, const Vec2& x) {
     return std::ranges::any_of(loop.sides, [&](const Side& side) { return (side.start - x).norm() < 1e-6 * size; });
   };
@@ -262,6 +288,7 @@ std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, 
 /// Stays inside, or comes back.
 void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, LinearRows& rows) {
   const double least = 0.05 * how.size, reach = how.reach;
+  // Inside: the move towards the frame leaves `least`. Outside: the move along the way back is the whole way and a bit.
   const auto keep = [&](const Sample& s, const Vec2& way, bool in) {
     const double nearest = way.norm();
     if (in)
@@ -272,6 +299,7 @@ void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, L
   for (const Sample& s : samples_of(d, at_the_frame * how.size).all) {
     if (s.chain == none) continue;
     if (fence.touches(s.at)) {
+      // On the frame itself: only inwards.
       rows.add(move_along(d, s, -s.left), 0);
       continue;
     }
@@ -283,6 +311,7 @@ void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, L
     keep(near.sample, near.way, !near.beyond);
 }
 
+// The boundary keeps 0.02 mesh sizes off what must stay solid, and half an element off regions and cracks.
 void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame, const std::vector<Loop>& frozen,
                const Clearances& how, LinearRows& rows) {
   const double chord = 1e-3 * how.size;
@@ -301,6 +330,7 @@ void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame
   keep_off(d, samples, other, 0.5 * how.size, how.reach, rows);
 }
 
+// The variable of a sliding end is a length: coordinate differences times |dx/dcoordinate|.
 void add_rails(const DesignCurves& d, LinearRows& rows) {
   const auto coordinate = [&](const KnotRef& ref, double& unit) {
     const KnotHold& hold = d.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
@@ -324,6 +354,7 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
     double unit = 1;
     const double a = coordinate(pair.first, unit), b = coordinate(pair.second, unit);
     VectorXd row = VectorXd::Zero(d.variables);
+    // (b + s_b) - (a + s_a) >= least, in lengths; on the arc of an ellipse by the unit at the second end.
     row[d.holds[std::size_t(pair.first.chain)][std::size_t(pair.first.knot)].offset] += 1;
     row[d.holds[std::size_t(pair.second.chain)][std::size_t(pair.second.knot)].offset] -= 1;
     rows.add(std::move(row), std::max(0.0, (b - a - pair.least) * unit));
@@ -358,6 +389,8 @@ void add_lengths(const DesignCurves& d, LinearRows& rows) {
 }
 
 /// Chains leave what they end on into the frame.
+/// The sine of the angle between the chain and the side must stay above 0.05: a chain that leaves along the frame has
+/// no room for a mesh. Holes run the other way round.
 void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearRows& rows) {
   constexpr double least = 0.05;  // sine of the angle to the frame
   std::vector<Line> lines;
@@ -383,6 +416,7 @@ void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearR
       const double sign = last ? -1 : 1, c_ = std::cos(knot.angle), s_ = std::sin(knot.angle);
       const double sine = sign * in.dot(Vec2(c_, s_));
       VectorXd row = VectorXd::Zero(d.variables);
+      // d sine / d angle, negated: row . step <= sine - least.
       row[d.holds[c][k].angle] = -sign * in.dot(Vec2(-s_, c_));
       rows.add(std::move(row), sine - std::min(least, sine));
     }
@@ -390,6 +424,7 @@ void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearR
 }
 
 /// Arcs no tighter than the least radius, those that are by a fifth less tight.
+/// Linear in the curvature; only arcs that could become too tight by doubling theirs have a row.
 void add_radii(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
   for (std::size_t c = 0; c < d.chains.size(); ++c)
     for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc) {
@@ -404,6 +439,7 @@ void add_radii(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
 
 }  // namespace
 
+// Three points per arc, by chains and arcs: `too_far` counts on it.
 NormalMoves normal_moves(const DesignCurves& d) {
   NormalMoves m;
   std::size_t count = 0;
@@ -417,6 +453,7 @@ NormalMoves normal_moves(const DesignCurves& d) {
       for (const auto& [part, weight] : three_points) {
         const ChainPoint p = point_on(d.chains[c], {arc, part});
         const Vec2 left(-p.tangent.y(), p.tangent.x());
+        // v = left . dx, positive into the body.
         row.setZero();
         add_by_segment(d, Index(c), arc / 2, left.transpose() * p.by, row);
         m.by.row(i) = row;
@@ -430,6 +467,7 @@ NormalMoves normal_moves(const DesignCurves& d) {
 }
 
 void steady(MatrixXd& form, const std::vector<bool>& angles, double little) {
+  // Lengths and angles have entries of different units: each gets a share of the mean of its own.
   for (const bool kind : {false, true}) {
     std::vector<Eigen::Index> these;
     for (Eigen::Index i = 0; i < form.rows(); ++i)
@@ -452,6 +490,7 @@ MatrixXd mass(const NormalMoves& m, const DesignCurves& d) {
   return M;
 }
 
+// The width is that of the nearest sample, at least half a mesh size and at most ten.
 MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double size) {
   const Samples samples = samples_of(d, 0.75 * size);
   const Eigen::Index n = d.variables;
@@ -474,6 +513,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
   const std::vector<bool> angles = angles_of(d);
   guess += m.by.transpose() * (m.weight.cwiseProduct(over_width)).asDiagonal() * m.by;
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
+    // The square root is taken chain by chain.
     std::vector<Eigen::Index> mine;
     for (const KnotHold& hold : d.holds[c]) {
       if (hold.offset != none) mine.push_back(hold.offset);
@@ -484,6 +524,7 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     std::vector<Eigen::Index> at;
     for (Eigen::Index i = 0; i < m.by.rows(); ++i)
       if (m.chain[std::size_t(i)] == Index(c)) at.push_back(i);
+    // d/ds| from the pairs K x = lambda M x of the chain, K = int v'w' ds by differences between Gauss points.
     const MatrixXd V = m.by(at, mine);
     const VectorXd w = m.weight(at);
     MatrixXd M = transposed_multiply(w.asDiagonal() * V, V), K = MatrixXd::Zero(M.rows(), M.cols());
@@ -497,11 +538,13 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
     }
     const auto [values, vectors] = eigenpairs(K, M);
     const MatrixXd MV = multiply(M, vectors);
+    // M X sqrt(lambda) X' M is the form F with F M^-1 F = K.
     guess(mine, mine) += multiply_transposed(undulation * MV * values.cwiseMax(0).cwiseSqrt().asDiagonal(), MV);
   }
   return guess;
 }
 
+// At samples and at the corners of the frame between them.
 double overhang(const DesignCurves& d, const Shape& frame, double size) {
   const Fence fence(frame, 1e-3 * size);
   double most = 0;
@@ -515,6 +558,7 @@ double overhang(const DesignCurves& d, const Shape& frame, double size) {
 LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& frozen,
                           const Clearances& how) {
   LinearRows rows;
+  // Widths and distances are seen at steps of half an element.
   const Samples samples = samples_of(d, 0.5 * how.size);
   add_widths(d, samples, how, rows);
   add_fixed(d, samples, frame, frozen, how, rows);

@@ -1,3 +1,10 @@
+// A mesh that follows curves. Vertices on chains and on sides of the frame next to sliding ends keep their share of
+// their arc or side [theory: K.2], and the others are carried along by the harmonic extension of their motion [theory:
+// S.7]. So J is a smooth function of the variables, and its derivative by them is that by the vertices (S.3), gathered
+// onto the boundary by the transposed extension and pulled back through the arcs. A motion that makes angles too small
+// or stretches edges too far gives no mesh: the curves then need one of their own. docs/theory/curves.md, "Variables
+// and the shape residual", and docs/theory/shape_gradient.md, "Carrying a motion into the mesh".
+
 #include "optimize/curves/curve_mesh.hpp"
 
 #include "geometry/plane.hpp"
@@ -13,6 +20,7 @@ namespace {
 constexpr Strain most{.least_angle = 10,
                       .stretch = 2.5};  // more than drawn designs are moved: fewer meshes, less noise
 
+// By share of its length, or of its arc's parameter.
 Vec2 on(const SideEnds& s, double part) {
   if (!s.side.arc) return (1 - part) * s.side.start + part * s.end;
   return at(*s.side.arc, s.side.arc->from + part * (s.side.arc->to - s.side.arc->from));
@@ -27,6 +35,7 @@ bool slides(const DesignCurves& d, const KnotRef& ref) {
 }
 
 /// Every vertex on a side next to a chain whose end slides.
+/// On an arc the share is that of the angle.
 void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh, std::vector<bool>& taken,
                         std::vector<CurveFollower>& all) {
   const double near = 1e-9 * extent(shape);
@@ -45,6 +54,7 @@ void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& m
             const Arc& arc = *ends.side.arc;
             part = std::clamp(0.5 + beyond_middle(arc, x) / (arc.to - arc.from), 0.0, 1.0);
           }
+          // The label may be that of other sides as well.
           if ((on(ends, part) - x).norm() > near) continue;
           taken[std::size_t(v)] = true;
           all.push_back({.vertex = v, .loop = Index(l), .piece = Index(i), .part = part});
@@ -53,6 +63,8 @@ void add_side_followers(const DesignCurves& d, const Shape& shape, const Mesh& m
     }
 }
 
+// Every vertex on an edge with the label of the design belongs to the chain that comes nearest to it, at the place of
+// its foot.
 std::vector<CurveFollower> followers(const DesignCurves& d, const Shape& shape, const Mesh& mesh) {
   std::vector<CurveFollower> all;
   std::vector<Vec2> points;
@@ -78,6 +90,7 @@ std::vector<CurveFollower> followers(const DesignCurves& d, const Shape& shape, 
   return all;
 }
 
+// Where the followers are on the curves d, which have the same knots as those the mesh was made for.
 Points positions(const std::vector<CurveFollower>& followers, const DesignCurves& d) {
   const Shape shape = shape_of(d);
   Points x(2, Eigen::Index(followers.size()));
@@ -102,6 +115,7 @@ CurveMesh curve_mesh(const DesignCurves& d, const Sizing& sizing) {
   return {std::move(mesh), std::move(f), std::move(extension), std::move(angles), std::move(start)};
 }
 
+// Only the followers are given: the extension moves all other vertices.
 std::optional<Mesh> moved(const CurveMesh& m, const DesignCurves& d) {
   Points motion = Points::Zero(2, Eigen::Index(m.mesh.points.size()));
   const Points to = positions(m.followers, d);
@@ -110,6 +124,8 @@ std::optional<Mesh> moved(const CurveMesh& m, const DesignCurves& d) {
   return carry(m.extension, m.mesh, m.angles, motion, most);
 }
 
+// dJ/dvariable = sum over followers of pull . dx/dvariable, pull the force on the vertices carried back by the
+// transposed extension.
 Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Points& force) {
   const Points on_given = gather(m.extension, force);
   const Shape shape = shape_of(d);
@@ -126,6 +142,8 @@ Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Point
          {std::tuple{ends.before, 1 - f.part, ends.side.start}, std::tuple{ends.after, f.part, ends.end}}) {
       if (!slides(d, ref)) continue;
       const Rail& rail = d.rails[std::size_t(hold(d, ref).rail)];
+      // A vertex at share f of a side moves with both ends: 1 - f of the one and f of the other, each in the coordinate
+      // of its rail.
       const double unit = rail.velocity(rail.at(x)).norm();
       const Vec2 here = rail.velocity(rail.at(on(ends, f.part)));
       sum[hold(d, ref).offset] += share * here.dot(pull) / unit;

@@ -1,3 +1,14 @@
+// Curves moved to an optimum of first order: J + p |Omega| over the knots of the chains under bounds, an area and
+// clearances. Each step minimizes a quadratic model of the Lagrangian under linear constraints (quadratic.cpp), within
+// a radius of normal moves that follows the actual change over the predicted one. The second derivative begins with
+// what is known of elastic bodies [theory: K.4] and learns by damped BFGS [Powell 1978]. Violated constraints are asked
+// for as far as the radius reaches [theory: K.5]. The area of arcs is known exactly, and what it bends by is taken from
+// its room. A run ends where the shape residual [theory: K.3] on a mesh of its own is small, or where J stands still. A
+// point is evaluated on the mesh of the point before, moved; where that suffers on one made where the step begins, so
+// that both ends of a step share a mesh and its error. Rows of all evaluations are kept, from which an interrupted run
+// replays to the bit. At the end the curves are judged on a finer mesh. Where a bound is violated there, it is
+// tightened and steps go on, twice at most. docs/theory/curves.md.
+
 #include "optimize/curves.hpp"
 
 #include "base/dense.hpp"
@@ -76,6 +87,7 @@ double unit_of(double at_most) {
   return at_most != 0 ? std::abs(at_most) : 1;
 }
 
+// An arc that turns by nearly half a circle has no place between its knots.
 bool is_shape(const DesignCurves& d) {
   return std::all_of(d.chains.begin(), d.chains.end(), [](const ArcChain& c) { return largest_turn(c) < sharpest; }) &&
          !find_problem(shape_of(d));
@@ -86,8 +98,10 @@ class CurvesRun {
   CurvesRun(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
             const CurvesObserver& see, const std::vector<CurvesRow>& known)
       : p_(p), asked_(r), r_(r), carved_(carved), how_(how), see_(see), known_(known), size_(curve_size(p, how)) {
+    // asked_ has the bounds that the user set, r_ those in force, which may leave room.
     whole_ = area(p.frame);
     volume_price_ = price_of_volume(p, r) + r.volume_penalty;
+    // An area of the whole frame bounds nothing.
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_step * size_;
@@ -196,6 +210,7 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());
   x.by_J = VectorXd::Zero(x.curves.variables);
+  // Each bound holds in every load case by itself; J is the weighted sum over the cases.
   const auto nb = Eigen::Index(r_.bounds.size() * e->cases.size());
   x.bound.resize(nb);
   x.by_bound.resize(x.curves.variables, nb);
@@ -214,7 +229,9 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
   x.solved = std::move(e);
 }
 
+// `gradients` are the columns by_J, by_bound.
 void CurvesRun::recall(const CurvesRow& row, Point& x) const {
+  // No mesh is built: only where one would be made is noted.
   x.fresh = row.fresh;
   x.rebased = row.rebased;
   if (row.fresh) x.base = std::make_shared<Base>(Base{x.curves});
@@ -246,6 +263,7 @@ bool CurvesRun::replays(const CurvesRow& row, const DesignCurves& d, bool meshed
 std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base,
                                          std::string& failure) {
   Point x{.curves = d, .base = base};
+  // Evaluation k of a run replays row k of the one before.
   const auto number = std::size_t(evaluations_++);
   const bool replay = number < known_.size();
   if (replay) {
@@ -276,6 +294,7 @@ std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::share
   return x;
 }
 
+// With the values and gradients that a replay takes instead of a solve.
 CurvesRow CurvesRun::row_of(const Point& x) const {
   CurvesRow row{.J = x.J,
                 .area = x.area,
@@ -302,6 +321,8 @@ double CurvesRun::violation(const Point& x) const {
   return violation_of(r_, x.bounds, x.area / whole_);
 }
 
+// c(x) + c'(x) step <= 0 for area and bounds. Distances that could come within their limits in a step of both sides,
+// two radii, are among the geometry.
 Linearized CurvesRun::linearized(const Point& x) const {
   const double least = how_.min_feature > 0 ? how_.min_feature : size_;
   const LinearRows geometry = clearance_rows(
@@ -325,6 +346,9 @@ Linearized CurvesRun::linearized(const Point& x) const {
 }
 
 /// The shape residual and the price of area: the best multipliers of what is active [theory: K.3].
+/// min over mu >= 0 of |grad J + sum mu grad c| in M^-1 is the quadratic program with room 0 on the active rows: its
+/// step is minus the projected gradient. Active is what lies within small slacks of its limit. Below 5 % of J per area
+/// a price is no scale.
 void CurvesRun::weigh(Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
   const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
@@ -339,10 +363,12 @@ void CurvesRun::weigh(Point& x) const {
       quadratic_step(M, gradient(x), all.A(active, Eigen::all), VectorXd::Zero(Eigen::Index(active.size())));
   x.price = volume_price_;
   if (bounded_ && !active.empty() && active.front() == 0) x.price += s.multiplier[0];
+  // Root mean square over the chains: the norm in M over the root of their length.
   const double of_all = std::abs(x.J) / x.area, unit = x.price > no_price * of_all ? x.price : of_all;
   x.residual = VectorXd(M.matrixL().transpose() * s.step).norm() / std::sqrt(moves.length) / unit;
 }
 
+// An exact penalty with 1.5 times the largest multiplier that each constraint has had [theory: L.7].
 double CurvesRun::merit(const Point& x) const {
   double value = x.J + r_.volume_penalty * x.area;
   if (bounded_ && dearest_.size() > 0) value += 1.5 * dearest_[0] * std::max(0.0, x.area - most_);
@@ -352,9 +378,11 @@ double CurvesRun::merit(const Point& x) const {
 }
 
 /// By how much the merit should fall: by the quadratic model of the Lagrangian and the area that is known.
+/// Its penalty takes the bounds as linear, as the program of the step does, and the area as it is.
 double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   double fall = -gradient(x).dot(step) - 0.5 * step.dot(B_ * step);
   if (bounded_) {
+    // The model has the second derivative of the Lagrangian, so that what the area bends by is taken out of it again.
     const double there = area_of(moved(x.curves, step), nullptr);
     fall += multiplier_[0] * (there - x.area - x.by_area.dot(step));
     fall += 1.5 * dearest_[0] * (std::max(0.0, x.area - most_) - std::max(0.0, there - most_));
@@ -365,11 +393,13 @@ double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   return fall;
 }
 
+// Multipliers and penalties begin at 0 with it.
 void CurvesRun::begin_curvature(const Point& x) {
   const NormalMoves moves = normal_moves(x.curves);
   // Without a price, what the derivative itself is worth.
   const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
   const VectorXd g = gradient(x);
+  // The root mean square of dJ/dn over the chains.
   const double rate = std::sqrt(g.dot(kerf::solve(M, g)) / moves.length);
   B_ = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
   steady(B_, angles_of(x.curves), 1e-9);
@@ -379,12 +409,14 @@ void CurvesRun::begin_curvature(const Point& x) {
 
 /// Damped BFGS of the Lagrangian [Powell 1978].
 void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) {
+  // Derivatives of the Lagrangian at both ends with the multipliers of the step; the geometry is taken as linear.
   VectorXd y = gradient(to) - gradient(from);
   if (bounded_) y += multiplier_[0] * (to.by_area - from.by_area);
   for (Eigen::Index k = 0; k < to.bound.size(); ++k)
     y += multiplier_[first_bound() + k] * (to.by_bound.col(k) - from.by_bound.col(k));
   const VectorXd Bs = B_ * step;
   const double sBs = step.dot(Bs), sy = step.dot(y);
+  // r = part y + (1 - part) B s has s.r >= 0.2 s.B s, so that B stays definite.
   const double part = sy >= 0.2 * sBs ? 1 : 0.8 * sBs / (sBs - sy);
   const VectorXd r = part * y + (1 - part) * Bs;
   B_ += r * r.transpose() / step.dot(r) - Bs * Bs.transpose() / sBs;
@@ -400,8 +432,10 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   ChainLimits most;
   for (const double part : share_) {
     most.radius.push_back(part * radius);
+    // Below a third of the mesh size the radius shortens turns as it does moves.
     most.turn.push_back(largest_angle * std::min(1.0, 3 * part * radius / size_));
   }
+  // Rows before `front` are area and bounds, those behind it the geometry.
   const Eigen::Index front = dearest_.size();
   make_reachable(all.room, front, [&](const VectorXd& rooms) {
     const VectorXd back = quadratic_step(H, VectorXd::Zero(g.size()), all.A.bottomRows(rooms.size()), rooms).step;
@@ -410,10 +444,12 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   Linearized l{all.A.topRows(front), all.room.head(front)};
   std::vector<bool> used(std::size_t(all.room.size()), false);
   QuadraticStep s = quadratic_step(H, g, l.A, l.room);
+  // The area is corrected three times at most.
   int bends = 0;
   for (int round = 0; round < most_rounds; ++round) {
     LinearRows beyond = too_far(x.curves, moves, s.step, most);
     const VectorXd there = multiply(all.A, s.step);
+    // Rows of the geometry enter where the step violates them: few of them matter to it.
     for (Eigen::Index k = front; k < there.size(); ++k)
       if (!used[std::size_t(k)] && there[k] > all.room[k] + 1e-3 * radius) {
         beyond.add(all.A.row(k), all.room[k]);
@@ -445,6 +481,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   return s.step / std::max(1.0, furthest);
 }
 
+// The best is the cheapest that keeps all bounds; solutions are not kept with it, for memory.
 bool CurvesRun::show() {
   out_.rows.back().accepted = true;
   const auto cost = [&](const Point& x) { return x.J + r_.volume_penalty * x.area; };
@@ -474,6 +511,7 @@ VectorXd CurvesRun::step_to_shape() {
   for (int k = 0; k < most && !is_design(moved(x_.curves, step)); ++k) {
     bool found = false;
     for (std::size_t c = 0; c < share_.size(); ++c) {
+      // A chain is to blame that makes no design by its own step alone.
       VectorXd alone = VectorXd::Zero(step.size());
       for (const KnotHold& hold : x_.curves.holds[c]) {
         if (hold.offset != none) alone[hold.offset] = step[hold.offset];
@@ -500,6 +538,7 @@ bool CurvesRun::iterate() {
       return false;
     }
     const VectorXd step = step_to_shape();
+    // The largest normal move.
     last_step_ = (normal_moves(x_.curves).by * step).cwiseAbs().maxCoeff();
     const double fall = predicted(x_, step);
     if (!(fall > too_little * std::abs(x_.J))) {
@@ -516,6 +555,7 @@ bool CurvesRun::iterate() {
     const DesignCurves next = moved(x_.curves, step);
     std::string failure;
     std::optional<Point> y = evaluate(next, x_.base, failure);
+    // Meshes of different bases differ by up to 1e-3 of J: a smaller rise is no reason to refuse.
     const double noise = y && y->base != x_.base ? mesh_noise * std::abs(x_.J) : 0;
     const double fell = y ? merit(x_) - merit(*y) : -infinity, ratio = fell / fall;
     const bool good = y && fell > 0.05 * fall - noise;
@@ -525,6 +565,7 @@ bool CurvesRun::iterate() {
         out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
       // Meshes may differ by more than the step: what the present design is worth on the new one.
       if (y && y->rebased && evaluations_ < how_.evaluations) return remesh(x_.curves, own_mesh);
+      // Less than the refused step used, which may have been less than the radius.
       radius_ *= 0.4 * reach_;
       if (radius_ < least_step * size_) {
         out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
@@ -532,6 +573,7 @@ bool CurvesRun::iterate() {
       }
       continue;
     }
+    // Grows where the step was held by it.
     if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_step * size_);
     if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, least_step * size_);
     x_ = std::move(*y);
@@ -578,6 +620,7 @@ bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
 }
 
 /// Knots that have come too close together or too far apart get even distances, which no mesh can follow.
+/// Near the end knots stay: others draw slightly other curves, on a new mesh.
 bool CurvesRun::space_anew() {
   least_residual_ = std::min(least_residual_, x_.residual);
   if (least_residual_ < settled) return true;
@@ -660,6 +703,7 @@ void CurvesRun::settle() {
 
 /// Where the finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
+/// Values and derivatives of the bounds are rescaled to their new limits without solving anew.
 bool CurvesRun::leave_room() {
   if (!out_.finer || rooms_ == most_rooms || evaluations_ >= how_.evaluations) return false;
   std::vector<double> now;
@@ -682,6 +726,7 @@ bool CurvesRun::leave_room() {
   return true;
 }
 
+// The fit is brought into the frame before anything is solved, and evaluated on a mesh of its own.
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);

@@ -1,3 +1,12 @@
+// A body whose design sides are chains of arcs [Bolton 1975; theory: K.1, K.2], and the variables that move them. The
+// builder traces every run of design sides of the carved polygon, pins it where cracks end, and fits a chain. A knot
+// has an angle and a move along its normal; an end slides along the side of the frame it lies on (a rail: a line, or an
+// arc with its parameter), or stays where the side bears loads, a crack ends or the frame has a corner. Ends on one
+// rail keep a distance. Derivatives by x, y and angle of the two knots of a segment become those by variables in
+// `add_by_segment`. The area is exact, as is its derivative -int left . dx ds along the arcs, by five Gauss points
+// each. Knots that have come close together or far apart are placed anew at the spacing they began with.
+// docs/theory/curves.md, sections "Arcs" and "Variables and the shape residual".
+
 #include "optimize/curves/design_curves.hpp"
 
 #include "geometry/plane.hpp"
@@ -34,6 +43,7 @@ struct FrameSide {
   double lower, upper;
   std::array<std::size_t, 2> number;  // loop, side
 };
+// An arc that is a whole ellipse has no ends: its coordinate is not bounded.
 std::optional<FrameSide> side_with(const Shape& frame, const Side& side, const Vec2& a, const Vec2& b) {
   const double near = same * extent(frame);
   for (std::size_t l = 0; l <= frame.holes.size(); ++l) {
@@ -97,6 +107,7 @@ ChainTrace with_mouths(std::vector<Vec2> points, bool closed, const std::vector<
   return trace;
 }
 
+// An arc runs evenly in its share: |dx/dpart| is its length.
 std::vector<double> segment_lengths(const ArcChain& chain) {
   std::vector<double> all;
   for (std::size_t k = 0; k < segment_count(chain); ++k)
@@ -118,6 +129,7 @@ Knot knot_at(const ArcChain& chain, const std::vector<double>& lengths, double s
 /// Knots first to last of a chain at the spacing they had, the two where they are; of a closed one `last` may lie
 /// beyond the number of knots.
 void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t first, std::size_t last) {
+  // Only segments that are out of proportion by more than 2.5 times: every change costs a new mesh.
   constexpr double close = 0.4, far = 2.5;
   const std::size_t n = segment_count(chain), knots = chain.knots.size();
   const std::vector<double> lengths = segment_lengths(chain);
@@ -143,6 +155,7 @@ void even_out(ArcChain& chain, const std::vector<double>& rest, std::size_t firs
   }
 }
 
+// Traces the loops of the carved shape into chains and sides, holds the ends, and numbers the variables.
 class Builder {
  public:
   Builder(const Shape& frame, const Carved& carved, const CurveRules& how) : frame_(frame), how_(how) {
@@ -184,6 +197,7 @@ class Builder {
     }
   }
 
+  // Pieces begin at the first design side after another one; a loop of design sides only is a closed chain.
   void add_loop(const Loop& loop) {
     const std::size_t n = loop.sides.size();
     const auto design = [&](std::size_t i) { return loop.sides[i % n].label == d_.label && !loop.sides[i % n].arc; };
@@ -213,6 +227,7 @@ class Builder {
     d_.loops.push_back(std::move(made));
   }
 
+  // Knots at mouths of cracks, which the fit keeps among its points, only turn.
   Index add_chain(const Loop& loop, std::size_t begin, std::size_t end, bool closed) {
     const std::size_t n = loop.sides.size();
     std::vector<Vec2> points;
@@ -257,14 +272,17 @@ class Builder {
     if (listed(how_.solid, side.label) || side.keep) return;
     for (const Vec2& end : ends_)
       if ((end - x).norm() <= near_) return;
+    // Sides that carving made are none of the frame's.
     const std::optional<FrameSide> on = side_with(frame_, side, other.at, x);
     if (!on) return;
     const double at = on->rail.at(x), unit = on->rail.velocity(at).norm();
     // At a corner of the frame it may move away from it, along this side.
     const double there = at + way_along(side, on->rail, other.at, x);
+    // A side without length leaves no way to slide.
     if (std::abs(there - at) * unit < near_) return;
     KnotHold& hold = d_.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
     hold.kind = KnotHold::Kind::Slides;
+    // A side of the frame is one rail, however many chains end on it.
     const auto known = rails_.find(on->number);
     if (known == rails_.end()) {
       rails_[on->number] = hold.rail = Index(d_.rails.size());
@@ -283,6 +301,7 @@ class Builder {
   };
 
   /// Ends that share a rail stay apart and on it.
+  /// A gap that is smaller than asked for already may stay as it is.
   void limit_rails() {
     for (std::size_t r = 0; r < d_.rails.size(); ++r) {
       std::vector<OnRail> all;
@@ -291,6 +310,7 @@ class Builder {
           if (d_.holds[c][k].rail == Index(r))
             all.push_back({d_.rails[r].at(d_.chains[c].knots[k].at), {Index(c), Index(k)}});
       std::sort(all.begin(), all.end(), [](const OnRail& a, const OnRail& b) { return a.coordinate < b.coordinate; });
+      // Lengths become coordinates by the rail's speed. Ends stay 3/4 of the gap off the ends of the rail.
       const double least = how_.least_gap / d_.rails[r].velocity(all.front().coordinate).norm();
       for (const OnRail& one : all) {
         KnotHold& hold = d_.holds[std::size_t(one.ref.chain)][std::size_t(one.ref.knot)];
@@ -302,6 +322,7 @@ class Builder {
     }
   }
 
+  // Per knot the move, where it has one, then the angle.
   void number_variables() {
     for (auto& holds : d_.holds)
       for (KnotHold& hold : holds) {
@@ -319,6 +340,7 @@ class Builder {
 };
 
 /// The side of a piece after the piece before it: where that is a chain it begins at its end.
+/// Its arc keeps center and axes, so that only its parameters change.
 Side side_after(const DesignCurves& d, const CurveLoop& loop, std::size_t i) {
   const std::size_t n = loop.pieces.size();
   Side side = loop.pieces[i].side;
@@ -366,6 +388,7 @@ constexpr std::array<std::array<double, 2>, 5> five_points{{{0.04691007703066800
 
 }  // namespace
 
+// Of the parameters of an arc the one nearest to its middle.
 double Rail::at(const Vec2& x) const {
   if (!arc) return along.dot(x - from);
   const double t = parameter(*arc, x), middle = (arc->from + arc->to) / 2;
@@ -376,6 +399,7 @@ Vec2 Rail::point(double coordinate) const {
   return arc ? kerf::at(*arc, coordinate) : Vec2(from + coordinate * along);
 }
 
+// Of unit length on a straight rail.
 Vec2 Rail::velocity(double coordinate) const {
   return arc ? kerf::velocity(*arc, coordinate) : along;
 }
@@ -384,6 +408,7 @@ DesignCurves design_curves(const Shape& frame, const Carved& carved, const Curve
   return Builder(frame, carved, how).build();
 }
 
+// Two arcs per segment in place of what was carved; sides of the frame between chains end where these do.
 Shape shape_of(const DesignCurves& d) {
   Shape shape = d.carved;
   for (std::size_t l = 0; l < d.loops.size(); ++l) {
@@ -403,6 +428,7 @@ Shape shape_of(const DesignCurves& d) {
   return shape;
 }
 
+// The drawn loop has one side per piece of the frame and two per segment before it.
 SideEnds side_ends(const DesignCurves& d, const Shape& shape, std::size_t l, std::size_t i) {
   const CurveLoop& loop = d.loops[l];
   const std::size_t n = loop.pieces.size();
@@ -428,6 +454,7 @@ std::vector<bool> angles_of(const DesignCurves& d) {
   return turns;
 }
 
+// Along normals and rails as they are before the step: a move is linear in the variables but for curved rails.
 DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
   DesignCurves next = d;
   for (std::size_t c = 0; c < d.chains.size(); ++c)
@@ -447,6 +474,7 @@ DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
   return next;
 }
 
+// Between knots that do not move freely, which stay.
 void even_out(DesignCurves& d) {
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
     std::vector<std::size_t> stay;  // an open chain has its ends among them
@@ -464,6 +492,7 @@ void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, con
   for (std::size_t end = 0; end < 2; ++end) {
     const std::size_t k = (segment + end) % d.chains[c].knots.size();
     const KnotHold& hold = d.holds[c][k];
+    // dx/doffset is the unit direction of the hold.
     const auto from = Eigen::Index(3 * end);
     if (hold.offset != none)
       sum[hold.offset] += by.segment<2>(from).dot(direction(d, hold, d.chains[c].knots[k]).transpose());
@@ -494,6 +523,7 @@ double area_of(const DesignCurves& d, VectorXd* by) {
       for (std::size_t arc = 0; arc < 2 * segment_count(d.chains[c]); ++arc)
         for (const auto& [part, weight] : five_points) {
           const ChainPoint p = point_on(d.chains[c], {arc, part});
+          // dA = -int left . dx ds: what moves into the body takes area from it.
           const Vec2 left(-p.tangent.y(), p.tangent.x());  // into the body
           add_by_segment(d, Index(c), arc / 2, -weight * p.speed * left.transpose() * p.by, *by);
         }
@@ -501,6 +531,7 @@ double area_of(const DesignCurves& d, VectorXd* by) {
   return area(shape_of(d));
 }
 
+// Newton's method: a common normal move changes the area by about its length.
 bool offset_to_area(DesignCurves& d, double wanted) {
   VectorXd all = VectorXd::Zero(d.variables), by;
   for (const auto& holds : d.holds)

@@ -1,3 +1,6 @@
+// A carved design as curves of the same area: chains within 0.2 of the mesh size, with knots at least three apart, and
+// closer in up to three more attempts where what is drawn is no shape.
+
 #include "optimize/curves/fit.hpp"
 
 #include "geometry/plane.hpp"
@@ -12,6 +15,7 @@ namespace {
 
 constexpr double fit_tolerance = 0.2, knot_spacing = 3;  // mesh sizes
 
+// Boundaries that bear loads or that a functional is taken over.
 std::vector<Index> solid_labels(const Problem& p, const OptimizeRequest& r) {
   std::vector<Index> solid;
   for (const Scene& scene : scenes_of(p, r))
@@ -35,6 +39,7 @@ std::vector<Index> held_labels(const Problem& p, const OptimizeRequest& r) {
 
 }  // namespace
 
+// Functionals taken over a ring around a feature need its material.
 std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
   std::vector<Loop> all = r.level_set.frozen;
   const auto add = [&](const Functional& j) {

@@ -1,3 +1,6 @@
+// How far a step may take the curves: normal moves within a radius per chain, turns of knots and slides along rails,
+// and how much of a violation may be asked for so that there is such a step [Conn, Gould, Toint 2000; theory: K.5].
+
 #include "optimize/curves/step_limits.hpp"
 
 #include <algorithm>
@@ -21,6 +24,7 @@ double furthest_move(const NormalMoves& moves, const VectorXd& step, const Chain
   return worst;
 }
 
+// 1 is a step that uses all of what is allowed.
 double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step, const ChainLimits& most) {
   double worst = furthest_move(moves, step, most);
   for (std::size_t c = 0; c < d.holds.size(); ++c)
@@ -34,6 +38,7 @@ double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd
 
 LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step, const ChainLimits& most) {
   constexpr double slack = 1 + 1e-3;
+  // Of the three points of an arc the one that moves the furthest has a row.
   constexpr Eigen::Index per_arc = 3;
   LinearRows rows;
   const VectorXd move = moves.by * step;
@@ -64,10 +69,12 @@ void make_reachable(VectorXd& room, Eigen::Index front, const std::function<doub
   const auto shorten = [&](Eigen::Index first, Eigen::Index count, double share, Eigen::Index rows) {
     auto some = room.segment(first, count);
     if (count == 0 || !(some.minCoeff() < 0)) return;
+    // A part of that step keeps to the violated rows shortened by it, and to those that have room.
     const double part = std::min(1.0, share / std::max(reach(room.tail(rows)), 1e-300));
     for (double& r : some)
       if (r < 0) r *= part;
   };
+  // 2/5 of the radius for the geometry, then 4/5 for all.
   shorten(front, room.size() - front, ample, room.size() - front);
   shorten(0, front, 2 * ample, room.size());
 }

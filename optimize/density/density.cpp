@@ -1,3 +1,12 @@
+// The coarse density stage: two designs of a problem on a lattice within a second, best first, for the level set to
+// begin with. J and the bounds count as far as the lattice knows them (compliance, energy, area); other functionals are
+// replaced by the compliance. Each design is minimized on a lattice of about 3,200 cells, which decides its topology,
+// and continued on one of 5,000 (12,000 at most, for members of 2.5 cells), by optimality criteria where compliances
+// under an area are all there is, else by moving asymptotes [theory: P.6, P.7]. The two differ in their filter: 1.4
+// cells throughout, or 3 shrinking to 1.4 [theory: P.5]; frames with cracks get one with weak cells along the cracks
+// and one without. They are made black and white and judged by another lattice's compliance [theory: P.8]. Derived in
+// docs/theory/density.md.
+
 #include "optimize/density/density.hpp"
 
 #include "base/parallel.hpp"
@@ -38,6 +47,7 @@ struct Known {
   std::string unknown;  // kind of a term that it does not know; empty mostly
 };
 
+// Powers other than 1 and all other functionals are unknown to the lattice.
 Known known_part(const Functional& j) {
   Known k;
   for (const Term& term : j.terms)
@@ -59,6 +69,7 @@ Eigen::VectorXd weights_of(const OptimizeRequest& r) {
   return w;
 }
 
+// With 2.5 cells across the thinnest member that is asked for.
 double cells_of(const Problem& p, const OptimizeRequest& r) {
   const double thin = r.level_set.min_feature / cells_across;
   return thin > 0 ? std::clamp(area(p.frame) / (thin * thin), fine_cells, most_cells) : fine_cells;
@@ -79,9 +90,11 @@ struct Stage {
   bool surrogate = false;  // the compliance instead of functionals that the lattice does not know
 };
 
+// Areas become cells and compliances multiples of force^2/modulus, so that prices and bounds are those of the problem.
 Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cracks = false) {
   Stage s{make_lattice(p, r, cells, cracks), {}};
   const Lattice& l = s.lattice;
+  // Units of the lattice: areas in cells, compliances over compliance_unit.
   const double whole = l.part.sum(), per_cell = l.cell * l.cell / std::max(l.compliance_unit, 1e-300);
   Known j = known_part(p.objective);
   if (!j.unknown.empty()) {
@@ -107,6 +120,7 @@ Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cr
   return s;
 }
 
+// Sampled at three points of each side: for a refusal to make a start, not for a proof.
 bool moves(const Problem& p, const Support& support) {
   std::vector<const Loop*> loops{&p.frame.outline};
   for (const Loop& hole : p.frame.holes) loops.push_back(&hole);
@@ -123,6 +137,7 @@ bool moves(const Problem& p, const Support& support) {
   return false;
 }
 
+// What the lattice would answer wrongly, or what has no minimum on it.
 std::optional<std::string> no_stage(const Problem& p, const OptimizeRequest& r, const Stage& s) {
   if (r.method != OptimizeMethod::LevelSet) return "it is made for a level set";
   for (const Support& support : p.scene.supports)
@@ -140,6 +155,8 @@ struct BlackWhite {
   double area = 0, goal = 0, violation = 0;
 };
 
+// At the area wanted, where nothing else counts. With bounds on compliances the least area that keeps them is found by
+// bisection, and where area has a price or weight five areas near the density's own are compared.
 BlackWhite judged(const Stage& s, const LatticePattern& pattern, const Eigen::VectorXd& density) {
   const Lattice& l = s.lattice;
   LatticeStiffness stiffness(l, pattern);
@@ -193,6 +210,7 @@ Level level(const Problem& p, const OptimizeRequest& r, double cells, bool crack
   return at;
 }
 
+// Cells outside the body have the density of the nearest one inside, for interpolation.
 DensityDesign drawn(const Lattice& l, const Densities& found) {
   DensityDesign d{.origin = l.origin, .cell = l.cell, .columns = l.columns, .rows = l.rows, .density = found.density};
   for (Eigen::Index c = 0; c < d.density.size(); ++c)
@@ -212,6 +230,7 @@ Schedule schedule(const Run& run, bool weight) {
                .first_exponent = run.first_exponent,
                .change_steps = run.change_steps,
                .most_steps = coarse_steps};
+  // Under own weight the exponent of the rational law goes to 30, in smaller steps [theory: P.3].
   if (weight) how.exponent = 30, how.most_steps = 100, how.move = 0.1;
   return how;
 }
@@ -223,6 +242,7 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
   Schedule how = schedule(run, !levels[0].stage.lattice.body.empty());
   const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
   const Lattice& l = levels[1].stage.lattice;
+  // The finer lattice goes on with the last radius and exponent, from the coarse design.
   how.change_steps = 0;
   how.most_steps = fine_steps;
   how.start = Eigen::VectorXd::Zero(l.part.size());
@@ -242,6 +262,7 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
 
 }  // namespace
 
+// The one that violates its bounds least first, then by the goal; equal ones in the order of the runs.
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r) {
   const double cells = cells_of(p, r);
   const bool cracked = has_cracks(p);

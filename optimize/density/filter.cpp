@@ -1,3 +1,10 @@
+// Averages over discs of cells with the weights w_cd = s_d max(0, r - |x_c - x_d|), normed to the sum 1 over d, s_d the
+// share of a cell in the body. They are rows of a sparse matrix over the cells of the body: averages are w x, their
+// transpose w' g carries derivatives back, and smoothed derivatives w (x g)/max(x, 1e-3) are derivatives of nothing,
+// but keep checkerboards away [Sigmund 1997; theory: P.5]. The mean of a density and its mirror image takes the image
+// of a center bilinearly from four centers; where it leaves the body a cell is its own image. Lengths are in cells.
+// docs/theory/density.md, section "Filters".
+
 #include "optimize/density/filter.hpp"
 
 #include <algorithm>
@@ -5,6 +12,7 @@
 
 namespace kerf {
 
+// Rows of the matrix w, compressed: cone weights times shares, summed to 1, of the cells of the body within the radius.
 LatticeFilter::LatticeFilter(const Lattice& lattice, double radius) : l_(lattice), start_{0} {
   const Index reach = static_cast<Index>(std::ceil(radius));
   for (const Index c : l_.cells) {
@@ -44,6 +52,7 @@ Eigen::VectorXd LatticeFilter::pull_back(const Eigen::VectorXd& derivative) cons
 }
 
 Eigen::VectorXd LatticeFilter::smooth_derivative(const Eigen::VectorXd& x, const Eigen::VectorXd& derivative) const {
+  // Nearly empty cells would divide by nothing.
   constexpr double least = 1e-3;  // density divided by
   Eigen::VectorXd smooth = average(x.cwiseProduct(derivative));
   for (const Index c : l_.cells) smooth[c] /= std::max(x[c], least);
@@ -65,6 +74,8 @@ std::array<std::pair<Index, double>, 4> between_centers(Index columns, Index row
            {right + columns * up, s * t}}};
 }
 
+// The density at the mirror image of a center lies between four centers; where the image leaves the body it is the
+// cell's own.
 LatticeMirror::LatticeMirror(const Lattice& lattice) : l_(lattice) {
   if (!l_.mirror) return;
   for (const Index c : l_.cells) {

@@ -1,3 +1,12 @@
+// A body on square cells, in units of its own: lengths in cells, the stiffest shear modulus 1, the largest nodal force
+// 1, all rounded to 2^-36, so that the units of the case change no bit of the result. The share of a cell in the frame
+// is exact: int x dy along the sides, cut at the lines of the lattice, cell by cell. The number of cells is chosen near
+// the one wanted such that sides parallel to the axes and ends of sides lie on lines. Tractions are integrated in the
+// bilinear functions, supports are springs along the sides, beta/2 int |P u|^2 ds with beta = 1e3 mu/h [theory: P.1],
+// so that no node needs to lie on a side. The bulk modulus is at most five times the shear modulus: nearly
+// incompressible cells would lock. Cells on cracks that are not bonded are a hundred times softer. Derived in
+// docs/theory/density.md, section "Lattice".
+
 #include "optimize/density/lattice.hpp"
 
 #include "geometry/plane.hpp"
@@ -47,6 +56,7 @@ struct Outlines {
   std::vector<Polygon> loops;
 };
 
+// Holes are reversed, and labels moved by one with them: a label belongs to the side that begins at its point.
 Outlines outlines(const Shape& frame, double chord) {
   Outlines o;
   o.loops.push_back(flatten(frame.outline, chord, infinity));
@@ -75,6 +85,8 @@ Index cells_along(const Outlines& relative, double wanted) {
   Index best = low;
   double least = infinity;
   for (Index n = low; n <= high; ++n) {
+    // Weights of what is off a line: the lengths of parallel sides in full, ends of sides by 1/50, the number itself by
+    // 1/20.
     double misfit = 0.05 * std::abs(n / wanted - 1);
     for (const Polygon& p : relative.loops)
       for (std::size_t i = 0; i < p.points.size(); ++i) {
@@ -117,6 +129,7 @@ std::vector<Piece> pieces_of(const Outlines& in_cells, Index columns, Index rows
         for (double line = std::floor(low) + 1; line < high; ++line) at.push_back((line - a[k]) / (b[k] - a[k]));
       }
       std::sort(at.begin(), at.end());
+      // A point 1/1000 of a cell to the left decides which cell a piece on a line belongs to.
       const Vec2 left = 1e-3 * Vec2(a.y() - b.y(), b.x() - a.x()).normalized();
       for (std::size_t s = 0; s + 1 < at.size(); ++s) {
         const Vec2 from = at[s] == 0 ? a : snapped(a + at[s] * (b - a));
@@ -135,6 +148,8 @@ std::vector<Piece> pieces_of(const Outlines& in_cells, Index columns, Index rows
 Eigen::VectorXd parts_of(const std::vector<Piece>& pieces, Index columns, Index rows) {
   Eigen::VectorXd part = Eigen::VectorXd::Zero(std::int64_t{columns} * rows), whole = part;
   for (const Piece& p : pieces) {
+    // A piece adds its share within its own cell, and its whole height to all cells on its left, which are summed from
+    // the right.
     const double height = p.b.y() - p.a.y(), x = (p.a.x() + p.b.x()) / 2;
     if (height == 0) continue;
     const Index row = std::clamp<Index>(static_cast<Index>(std::floor((p.a.y() + p.b.y()) / 2)), 0, rows - 1);
@@ -200,6 +215,7 @@ class Builder {
   Lattice l_;
 };
 
+// Outlines in shares of the box, then in cells: rounding comes before anything is cut.
 Builder::Builder(const Problem& p, const OptimizeRequest& r, double cells) : p_(p), r_(r), scenes_(scenes_of(p, r)) {
   const double chord = 2e-5 * extent(p.frame);
   Outlines all = outlines(p.frame, chord);
@@ -209,6 +225,7 @@ Builder::Builder(const Problem& p, const OptimizeRequest& r, double cells) : p_(
   const double area = area_of(all);
   const Index n = cells_along(all, std::sqrt(cells / area));
   along_ = n;
+  // The longer side of the box has the number of cells that was chosen, the other one as many as cover it.
   const int shorter = box_.size.x() < box_.size.y() ? 0 : 1;
   const Index m = std::max<Index>(1, static_cast<Index>(std::ceil(box_.size[shorter] * n - snap)));
   l_.columns = shorter == 0 ? m : n;
@@ -227,6 +244,7 @@ std::vector<Vec2> Builder::polygon_of(const Loop& loop) const {
   return points;
 }
 
+// Moduli over the largest shear modulus, times the share of the cell in the body.
 void Builder::materials() {
   std::vector<std::vector<Vec2>> regions;
   for (const Loop& region : p_.frame.regions) regions.push_back(polygon_of(region));
@@ -237,6 +255,7 @@ void Builder::materials() {
   Eigen::VectorXd share = l_.part;
   for (const Piece& piece : pieces_)
     if (piece.label != none && carries(piece.label)) {
+      // A sliver that bears a load or a support must not vanish.
       l_.part[piece.cell] = std::max(l_.part[piece.cell], least_part);
       share[piece.cell] = std::max(share[piece.cell], loaded_part);
     }
@@ -249,6 +268,7 @@ void Builder::materials() {
       const double d = signed_distance(regions[i], l_.center(c));
       if (d < 0 && -d < smallest) smallest = -d, m = &p_.scene.regions.at(i);
     }
+    // lambda = bulk - mu with bulk = 1/(4c) over mu [theory: N.4], in units of mu.
     const double bulk = std::min(m->c > 0 ? 1 / (4 * m->c * m->mu) : infinity, stiffest_bulk);
     l_.mu[c] = rounded(m->mu / modulus_unit_) * share[c];
     l_.lambda[c] = rounded(bulk - 1) * l_.mu[c];
@@ -283,6 +303,7 @@ void Builder::supports() {
     at_gauss_points(support.label, [&](const Vec2&, const Vec2& n, double length, const std::array<Index, 4>& corners,
                                        const Eigen::Vector4d& value) {
       const Vec2 first = support.normal_frame ? n : Vec2(1, 0), second(-first.y(), first.x());
+      // P, the projection on the held directions.
       Mat2 along = Mat2::Zero();
       if (support.first) along += first * first.transpose();
       if (support.second) along += second * second.transpose();
@@ -296,6 +317,7 @@ void Builder::supports() {
     });
 }
 
+// int of traction times the bilinear functions; body force stays per cell, since it goes with the density.
 void Builder::loads() {
   l_.force.setZero(2 * l_.nodes(), static_cast<Eigen::Index>(scenes_.size()));
   for (std::size_t k = 0; k < scenes_.size(); ++k) {
@@ -319,9 +341,11 @@ void Builder::loads() {
     l_.force = (l_.force / largest).unaryExpr(&rounded);
     for (Points& body : l_.body) body = (body / largest).unaryExpr(&rounded);
   }
+  // f . u is largest^2 / modulus in the body's units where it is 1 on the lattice.
   l_.compliance_unit = largest * largest / modulus_unit_;
 }
 
+// What the level set keeps solid, by centers of cells, and the cells along labels that must stay.
 void Builder::solids() {
   l_.solid.assign(static_cast<std::size_t>(l_.part.size()), 0);
   std::vector<std::string> notes;
@@ -349,6 +373,7 @@ void Builder::weaken_cracks() {
     const std::vector<Vec2> path = crack.arc ? points_on(*crack.arc, 64) : crack.points;
     for (std::size_t i = 1; i < path.size(); ++i) {
       const Vec2 a = in_cells(path[i - 1]), b = in_cells(path[i]);
+      // Twenty samples per cell: a corner that a crack just cuts may be missed.
       const int samples = 1 + static_cast<int>(std::ceil(20 * (b - a).norm()));
       for (int s = 0; s <= samples; ++s) {
         const Vec2 x = a + (b - a) * s / samples;
@@ -363,6 +388,7 @@ void Builder::weaken_cracks() {
 }
 
 /// The nearest cell of the body for every cell, by a front from all of them.
+/// Densities are interpolated beyond the border of the body by those of the nearest cells in it.
 void Builder::neighbors() {
   l_.inside.assign(static_cast<std::size_t>(l_.part.size()), none);
   std::vector<Index> front = l_.cells;
@@ -379,6 +405,7 @@ void Builder::neighbors() {
   }
 }
 
+// Cracks weaken moduli that are there already; forces need the units of the moduli.
 Lattice Builder::build(bool cracks) {
   materials();
   if (cracks) weaken_cracks();
@@ -402,7 +429,9 @@ bool has_cracks(const Problem& p) {
   return std::any_of(p.scene.laws.begin(), p.scene.laws.end(), opens);
 }
 
+// Least against largest eigenvalue of the 3 x 3 energy of rigid motions, lengths over the lattice's.
 std::optional<std::string> unsupported(const Lattice& l) {
+  // The energy of the springs under rigid motions: positive definite where they hold the body.
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
   const double scale = std::max(l.columns, l.rows);
   const auto rigid = [&](Index unknown) -> Eigen::Vector3d {

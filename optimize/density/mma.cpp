@@ -1,3 +1,12 @@
+// The method of moving asymptotes [Svanberg 1987; theory: P.7]: at each point every function is replaced by
+//   sum_c p_c/(U_c - x_c) + q_c/(x_c - L_c) + const,   p from positive, q from negative derivatives,
+// convex and separable, so that for multipliers lambda the minimizer is known per variable, x = (a L + b U)/(a + b)
+// with a^2, b^2 the sums of p, q. The dual is maximized by Newton steps along the path of a barrier. Asymptotes come
+// nearer where a variable swings and move away where it keeps going. With `reciprocal` L stays just below the lower
+// bound: compliances only fall with density [Fleury 1989], and moving asymptotes lose members at once. Violated
+// constraints have a price of 1000, beyond which a quadratic term takes them up, so that there is always a step.
+// Derived in docs/theory/density.md, section "Steps".
+
 #include "optimize/density/mma.hpp"
 
 #include "base/dense.hpp"
@@ -32,6 +41,7 @@ Eigen::VectorXd weighted(const Eigen::MatrixXd& a, const Eigen::VectorXd& lambda
   return a.col(0) + a.rightCols(lambda.size()) * lambda;
 }
 
+// Zero of the derivative p/(U - x)^2 - q/(x - L)^2, cut off at the bounds of the step: each variable by itself.
 Eigen::VectorXd Approximation::minimizer(const Eigen::VectorXd& lambda) const {
   const Eigen::ArrayXd a = weighted(p, lambda).array().sqrt(), b = weighted(q, lambda).array().sqrt();
   return ((a * lower.array() + b * upper.array()) / (a + b)).max(low.array()).min(high.array());
@@ -41,6 +51,7 @@ void Approximation::dual(const Eigen::VectorXd& lambda, const Eigen::VectorXd& x
                          Eigen::MatrixXd& bend) const {
   const Eigen::Index m = lambda.size();
   const Eigen::ArrayXd up = upper - x, down = x - lower;
+  // The slope of the dual is the value of the constraints; only variables off their bounds move with lambda.
   slope = p.rightCols(m).transpose() * up.inverse().matrix() + q.rightCols(m).transpose() * down.inverse().matrix() -
           right - (lambda.array() - elastic).max(0).matrix();
   const Eigen::ArrayXd second =
@@ -69,6 +80,7 @@ Eigen::VectorXd Approximation::solve() const {
       const Eigen::VectorXd d = solve_symmetric(matrix, slope + (barrier / lambda.array()).matrix());
       const Eigen::VectorXd e =
           (barrier / lambda.array()).matrix() - force - force.cwiseProduct(d).cwiseQuotient(lambda);
+      // At most 99 % of the way to where a multiplier or a slack would vanish.
       double share = 1;
       for (Eigen::Index k = 0; k < m; ++k) {
         if (d[k] < 0) share = std::min(share, -0.99 * lambda[k] / d[k]);
@@ -88,6 +100,7 @@ Mma::Mma(Eigen::VectorXd low, Eigen::VectorXd high, double move, bool reciprocal
 /// Nearer where a variable swings, further where it keeps going.
 void Mma::move_asymptotes(const Eigen::VectorXd& x) {
   const Eigen::ArrayXd range = high_ - low_;
+  // L just below the bound: q/(x - L) is the reciprocal of a density; what grows with one is nearly linear.
   if (reciprocal_) {
     lower_ = low_ - (at_low * range).matrix();
     upper_ = x + (farthest * range).matrix();
@@ -104,10 +117,12 @@ void Mma::move_asymptotes(const Eigen::VectorXd& x) {
   upper_ = x + distance.matrix();
 }
 
+// With p = (U - x)^2 df+ and q = (x - L)^2 df- the approximation has the derivative of its function at x.
 Eigen::VectorXd Mma::step(const Eigen::VectorXd& x, const MmaPoint& at) {
   move_asymptotes(x);
   const Eigen::ArrayXd range = high_ - low_, up = upper_ - x, down = x - lower_;
   Approximation a{.lower = lower_, .upper = upper_, .right = -at.g};
+  // No nearer to an asymptote than a tenth of the way, and no farther than the move limit.
   a.low = low_.array().max((x.array() - move_ * range).max(lower_.array() + 0.1 * down));
   a.high = high_.array().min((x.array() + move_ * range).min(upper_.array() - 0.1 * up));
   const Eigen::Index m = at.g.size();
@@ -116,8 +131,10 @@ Eigen::VectorXd Mma::step(const Eigen::VectorXd& x, const MmaPoint& at) {
   for (Eigen::Index i = 0; i <= m; ++i) {
     const Eigen::ArrayXd by = i == 0 ? at.objective_by : Eigen::VectorXd(at.by.col(i - 1));
     const Eigen::ArrayXd more = by.max(0), less = (-by).max(0);
+    // A thousandth of the other sign and 1e-5 per range keep every function strictly convex.
     a.p.col(i) = up.square() * (1.001 * more + 0.001 * less + 1e-5 / range);
     a.q.col(i) = down.square() * (0.001 * more + 1.001 * less + 1e-5 / range);
+    // And its value: the constants go to the right-hand side.
     if (i > 0) a.right[i - 1] += a.p.col(i).dot(up.inverse().matrix()) + a.q.col(i).dot(down.inverse().matrix());
   }
   before_that_ = before_;

@@ -1,3 +1,14 @@
+// Penalized densities on a lattice: compliances and their derivatives, two methods of steps, and the density made black
+// and white.
+//   E = eps + (1 - eps) rho^p [Bendsoe 1989; theory: P.2], under body force rho/(1 + q (1 - rho)) [theory: P.3]
+//   dC_k/drho = 2 df_k/drho . u_k - E'(rho) u_k.K u_k                                             [theory: P.4]
+// Optimality criteria scale each density by (gain/price)^(1/2) with the price that gives the area, found by bisection
+// [Sigmund 2001; theory: P.6]. All other goals go to moving asymptotes (mma.cpp), in units of the goal at the start.
+// Filter radius and exponent go evenly from their first to their last values. After every step densities are rounded to
+// 2^-24, so that the rounding of the solver, which differs between machines, hardly ever changes a bit of them. Black
+// and white is the set above a level of the bilinear density, by 16 samples per cell [theory: P.8]. Derived in
+// docs/theory/density.md.
+
 #include "optimize/density/simp.hpp"
 
 #include "optimize/density/mma.hpp"
@@ -20,6 +31,7 @@ bool solid(const Lattice& l, Index cell) {
 }
 
 /// Solid cells full, the others even.
+/// The area that is left is spread evenly, to a density of 1 % at least.
 Eigen::VectorXd even_density(const Lattice& l, double area) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(l.part.size());
   double fixed = 0;
@@ -66,6 +78,7 @@ Eigen::VectorXd criteria_step(const Lattice& l, const Eigen::VectorXd& x, const 
         next[c] = std::clamp(x[c] * std::sqrt(gain[c] / price), std::max(0.0, x[c] - move), std::min(1.0, x[c] + move));
     return volume(l, next);
   };
+  // Bisection in the logarithm: prices span many orders of magnitude.
   double low = 1e-12 * gain.maxCoeff(), high = 1e6 * gain.maxCoeff();
   while (high > (1 + 1e-8) * low) {
     const double price = std::sqrt(low * high);
@@ -81,10 +94,12 @@ double Stiffening::stiffness(double density) const {
 }
 
 double Stiffening::derivative(double density) const {
+  // d/drho of rho/(1 + q (1 - rho)) is (1 + q)/(1 + q (1 - rho))^2.
   const double below = 1 + exponent * (1 - density);
   return (1 - least) * (rational ? (1 + exponent) / (below * below) : exponent * std::pow(density, exponent - 1));
 }
 
+// Body force goes to the corners of its cell in equal parts, in proportion to the density.
 Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Stiffening& law,
                         const Eigen::VectorXd& density) {
   Eigen::VectorXd relative = Eigen::VectorXd::Zero(density.size()), slope = relative;
@@ -108,6 +123,7 @@ Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Sti
   return all;
 }
 
+// Gains per area; those of the wrong sign, by smoothing, count as none.
 Densities optimality_criteria(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal,
                               const Schedule& how) {
   const LatticeMirror mirror(l);
@@ -175,6 +191,8 @@ MmaPoint AsymptoteProblem::at(const LatticeFilter& filter, const Stiffening& law
   const Eigen::VectorXd density = this->density(filter, x);
   const Compliances now = compliances(l_, stiffness_, law, density);
   MmaPoint point;
+  // By the variables: smoothed where they are the densities, through the averages where these are. Solid cells have
+  // none.
   const auto by = [&](Eigen::VectorXd by_density) {
     for (const Index c : l_.cells)
       if (solid(l_, c)) by_density[c] = 0;
@@ -202,6 +220,7 @@ MmaPoint AsymptoteProblem::at(const LatticeFilter& filter, const Stiffening& law
 
 }  // namespace
 
+// Without an area that bounds it the body begins half full.
 Densities moving_asymptotes(const Lattice& l, const LatticePattern& pattern, const LatticeGoal& goal,
                             const Schedule& how) {
   ShrinkingFilter filter(l, how);
@@ -223,6 +242,7 @@ Densities moving_asymptotes(const Lattice& l, const LatticePattern& pattern, con
   return d;
 }
 
+// Solid cells are above every level. The level that leaves at most the area, by bisection.
 Eigen::VectorXd black_and_white(const Lattice& l, const Eigen::VectorXd& density, double area) {
   constexpr int across = 4;
   constexpr int samples = across * across;

@@ -1,3 +1,9 @@
+// Displacements of a lattice of bilinear square elements: K = sum over cells of E (mu K_mu + lambda K_lambda) +
+// springs, by a sparse factor. The matrices of a unit cell are those of two Gauss points each way, exact for squares.
+// The pattern of the matrix and the places of the 36 entries of each cell's lower triangle are made once per lattice,
+// nodes in the order of nested dissection; each density fills in values and refactors. cell_energies are u'K u per cell
+// at relative stiffness 1, for (P.4). docs/theory/density.md, section "Lattice".
+
 #include "optimize/density/stiffness.hpp"
 
 #include <algorithm>
@@ -19,10 +25,12 @@ struct CellMatrices {
       for (const double t : {-g, g}) {
         Eigen::Matrix<double, 3, 8> strain = Eigen::Matrix<double, 3, 8>::Zero();  // xx, yy, 2 xy
         for (int i = 0; i < 4; ++i) {
+          // Derivatives on a cell of length 1; s and t run from -1 to 1.
           const double dx = sx[i] * (1 + sy[i] * t) / 2, dy = sy[i] * (1 + sx[i] * s) / 2;
           strain(0, 2 * i) = strain(2, 2 * i + 1) = dx;
           strain(1, 2 * i + 1) = strain(2, 2 * i) = dy;
         }
+        // eps : C eps = 2 mu (xx^2 + yy^2 + 2 xy^2) + lambda (xx + yy)^2, the third strain twice xy.
         const Eigen::Matrix<double, 1, 8> trace = strain.row(0) + strain.row(1);
         mu += (strain.transpose() * Eigen::Vector3d(2, 2, 1).asDiagonal() * strain) / 4;
         lambda += trace.transpose() * trace / 4;
@@ -36,6 +44,7 @@ const CellMatrices& cell_matrices() {
 }
 
 /// Nodes of the cells of the body in the order of elimination; none: others.
+/// Nodes are ordered, so that both components of one stay together.
 std::vector<Index> ordered_nodes(const Lattice& l, Index& count) {
   std::vector<Index> number(static_cast<std::size_t>(l.nodes()), none), nodes;
   for (const Index c : l.cells)
@@ -77,6 +86,7 @@ std::array<Index, 8> unknowns(const Lattice& l, const LatticePattern& pattern, I
 
 }  // namespace
 
+// Columns of the lower triangle list their rows; springs are added once, values of cells at each density.
 LatticePattern lattice_pattern(const Lattice& l) {
   LatticePattern pattern;
   Index count = 0;
@@ -107,17 +117,20 @@ LatticePattern lattice_pattern(const Lattice& l) {
     auto& at = pattern.at.emplace_back();
     std::size_t n = 0;
     for (std::size_t i = 0; i < 8; ++i)
+      // In the order in which `displacements` adds.
       for (std::size_t j = 0; j <= i; ++j) at[n++] = place(std::max(u[i], u[j]), std::min(u[i], u[j]));
   }
   pattern.springs.assign(a.rows.size(), 0);
   for (const Lattice::Spring& s : l.springs) {
     const Index i = pattern.unknown[static_cast<std::size_t>(s.first)];
     const Index j = pattern.unknown[static_cast<std::size_t>(s.second)];
+    // Springs are listed both ways: one of them is of the lower triangle.
     if (i >= j) pattern.springs[static_cast<std::size_t>(place(i, j))] += s.stiffness;
   }
   return pattern;
 }
 
+// One factor for all load cases; the symbolic part serves every density.
 Eigen::MatrixXd LatticeStiffness::displacements(const Eigen::VectorXd& relative, const Eigen::MatrixXd& force) {
   if (matrix_.size == 0) matrix_ = pattern_.empty;
   matrix_.values = pattern_.springs;

@@ -1,3 +1,9 @@
+// A labeled part of the boundary as smooth curves with arc length, for hats and sensors along it [theory: I.1]. Each
+// loop is flattened to 1e-5 of the body and walked once from the first piece of the label that begins a curve. Curves
+// end where the label ends or the boundary turns by more than 20 degrees; ends where two curves of the label meet share
+// the number of a joint, so that functions along the label are continuous there. A loop that is smooth and labeled all
+// around is one closed curve with one joint. docs/theory/inverse.md.
+
 #include "optimize/inverse/boundary_line.hpp"
 
 #include "geometry/plane.hpp"
@@ -9,6 +15,8 @@ namespace kerf {
 
 namespace {
 
+// Piece v of the polygon runs from its point v to the next; it begins a curve where the piece before has another label
+// or turns into it at a corner.
 void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
   const Polygon p = flatten(loop, 1e-5 * size, size / 50);
   const std::size_t n = p.points.size();
@@ -32,6 +40,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
   Index here = none;  // the joint at the start of the next curve
   std::size_t v = first;
   std::vector<std::size_t> mine;
+  // Once around from the first beginning, so that no curve is cut in two.
   do {
     if (p.label[v] == label) {
       if (starts[v]) {
@@ -56,6 +65,7 @@ void add_loop(const Loop& loop, double size, Index label, BoundaryLine& line) {
       const std::size_t after = next(v);
       if (p.label[after] != label || starts[after]) {
         c.beside[1] = p.label[after];
+        // The last curve of a loop that is labeled all around ends at the joint where the first one begins.
         const bool closes = after == first && p.label[after] == label;
         here = closes ? line.curves[mine.front()].joint[0] : line.joints++;
         c.joint[1] = here;

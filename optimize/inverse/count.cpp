@@ -1,3 +1,9 @@
+// How many defects the readings tell of. Each number k is guessed, fitted by least squares and weighed by
+//   B_k = N ln(chi^2_k/N) + p_k ln N,   or chi^2_k/s^2 + p_k ln N where the noise s is known
+// [Schwarz 1978; theory: I.7]. One more defect must lower B by 6, which is strong evidence [Kass, Raftery 1995]. A fit
+// in which the size of a defect is less than twice its deviation, or the least that its box allows, is a phantom and
+// refused. Two numbers in a row that bring nothing end the search. Derived in docs/theory/inverse.md, "How many".
+
 #include "kerf/inverse.hpp"
 #include "optimize/inverse/sensors.hpp"
 #include "optimize/parametric/followers.hpp"
@@ -25,7 +31,9 @@ LeastSquares of_none(const Problem& p, const Readings& readings) {
   if (!certified(s)) throw Error(Fault::Numerics, "the body without defects could not be solved");
   VectorXd measured(2 * static_cast<Eigen::Index>(readings.at.size()));
   for (std::size_t i = 0; i < readings.at.size(); ++i)
+    // x and y in turn, as sensors read them.
     measured.segment<2>(2 * static_cast<Eigen::Index>(i)) = readings.displacement[i];
+  // The misfit of the body as it is: nothing varies.
   LeastSquares fit{.readings = static_cast<int>(measured.size()), .state_solves = 1, .stopped = "nothing to fit"};
   fit.start = fit.end = (Sensors(m.mesh, readings).read(m, s) - measured).squaredNorm();
   fit.estimated = !(readings.noise > 0);
@@ -33,6 +41,7 @@ LeastSquares of_none(const Problem& p, const Readings& readings) {
   return fit;
 }
 
+// Fixed variables cost nothing in the criterion.
 int free_variables(const Design& d) {
   int count = 0;
   for (const Drawn& one : d.drawn) count += static_cast<int>((one.lower.array() < one.upper.array()).count());
@@ -46,6 +55,8 @@ double criterion(const LeastSquares& fit, int variables, double noise) {
 }
 
 /// A thing whose size the readings do not tell from nothing, or want smaller than its box allows.
+/// The size of a crack is the distance of its ends, with the deviation by the gradient of that; of a spline its area;
+/// of the others the radius, variable 2.
 bool has_phantom(const Design& d, const LeastSquares& fit) {
   Eigen::Index first = 0;
   for (const Drawn& one : d.drawn) {
@@ -84,6 +95,7 @@ Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings&
     } else {
       OptimizeRequest r = request;
       r.design = copies(request.design, count);
+      // Every number begins with a guess of its own.
       for (Drawn& d : r.design.drawn) d.from_map = true;
       const InitialGuess guess = initial_guess(p, r.design, least_distance(p, r));
       r.design = guess.design;
@@ -91,6 +103,7 @@ Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings&
       one.fit.state_solves += guess.solves;
       one.design = std::move(r.design);
       Eigen::Index first = 0;
+      // What was fitted is where later runs start.
       for (Drawn& d : one.design.drawn) {
         d.start = one.fit.variables.segment(first, d.start.size());
         d.from_map = false;
@@ -126,6 +139,7 @@ Design copies(const Design& design, int count) {
   return out;
 }
 
+// From none upwards; numbers that fail count as ones that bring nothing.
 Count count_defects(const Problem& problem, const OptimizeRequest& request, const Readings& readings, int at_most) {
   if (request.design.drawn.size() != 1)
     throw Error(Fault::Usage, "to count defects the design draws one of them, which is copied");

@@ -1,3 +1,9 @@
+// What was found against what is true, for synthetic data: holes, regions and cracks of the design and of the true body
+// are paired within their kind, the nearest two first. A hole counts as the circle of its area and centroid, a crack by
+// its ends, whichever way it runs; a region has Young's modulus besides, from mu and c of its material [theory: N.5].
+// Errors are the distance of the centers (for a crack the larger one of its ends) and the difference of radii or
+// lengths. What is left without a partner is named and not compared. docs/theory/inverse.md has the fit itself.
+
 #include "kerf/inverse.hpp"
 
 #include <fmt/core.h>
@@ -31,6 +37,7 @@ VectorXd as_circle(const Loop& loop, double size) {
   const Vec2& origin = p.points[0];
   for (std::size_t i = 0; i < p.points.size(); ++i) {
     const Vec2 a = p.points[i] - origin, b = p.points[(i + 1) % p.points.size()] - origin;
+    // Triangles from the first point: area and first moment without cancellation far from the origin.
     area += 0.5 * cross(a, b);
     moment += cross(a, b) / 6 * (a + b);
   }
@@ -52,6 +59,7 @@ VectorXd with_young(const VectorXd& circle, const Material& m, const Problem& p)
 }
 
 /// Everything that the frame has not.
+/// Holes, cracks and regions stand behind those of the frame.
 std::vector<Thing> things(const Shape& shape, const Scene& scene, const Problem& p) {
   std::vector<Thing> all;
   const double size = extent(shape);
@@ -69,12 +77,14 @@ std::vector<Thing> things(const Shape& shape, const Scene& scene, const Problem&
   return all;
 }
 
+// A crack may be written from either end: the order that is nearer to the one found.
 void turn_towards(const VectorXd& found, VectorXd& ends) {
   VectorXd other(4);
   other << ends.tail<2>(), ends.head<2>();
   if ((other - found).norm() < (ends - found).norm()) ends = other;
 }
 
+// Of a crack the worse one of its ends counts.
 double away(const Thing& a, const Thing& b) {
   if (a.sort != Sort::Crack) return (a.value.head<2>() - b.value.head<2>()).norm();
   VectorXd ends = b.value;
@@ -90,6 +100,7 @@ std::string numbers(Sort sort, const VectorXd& v) {
 
 }  // namespace
 
+// Greedy pairs: with few things well apart the nearest two belong together.
 std::vector<Identified> identified(const Design& design, const VectorXd& x, const Problem& p, const Synthetic& truth) {
   const auto body = body_of(design, x, p);
   const std::vector<Thing> found = things(body.shape, body.scene, p),

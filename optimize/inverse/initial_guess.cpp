@@ -1,3 +1,13 @@
+// A first guess of holes, cracks and inclusions from displacements on the boundary, by topological derivatives of the
+// readings.
+//   b_k = int phi_k . (u_m - u),   b_k ~ sum_i a_i T_k(x_i),   T_k = form(sigma, zeta_k) - f . p_k    [theory: I.1]
+// phi_k are hats along the label, normed so that equal independent noise stays so (whitened by the Cholesky factor of
+// their mass). Over places, kinds, angles and areas within the boxes min |b - sum_i a_i T(x_i)|^2 is sought [theory:
+// I.2]: one adjoint per reading, a dictionary of columns T(x) at candidate places and variants, each thing in turn and
+// all pairs, areas by coordinate descent, places refined between the candidates. The guess is drawn and solved for,
+// what the expansion missed is taken off b, and the fit is repeated while that explains more [theory: I.3]. Without a
+// misfit the places are the most negative of the map of the objective. Derived in docs/theory/inverse.md.
+
 #include "kerf/inverse.hpp"
 
 #include "base/dense.hpp"
@@ -31,6 +41,7 @@ struct Surroundings {
     return least;
   }
 };
+// Edges of the boundary, of cracks and between materials.
 Surroundings surroundings(const Mesh& mesh, const Functional& j) {
   Surroundings s;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
@@ -42,6 +53,7 @@ Surroundings surroundings(const Mesh& mesh, const Functional& j) {
 }
 
 /// A grid over the box, where there is room.
+/// At most 41 by 41 places: the dictionary has a column for each and every variant.
 std::vector<Vec2> candidates(const Sought& s, const Mesh& mesh, const Surroundings& around, double room,
                              double spacing) {
   std::array<int, 2> intervals;
@@ -78,12 +90,14 @@ struct Hats {
     const Place p = nearest_place(line, x);
     const std::vector<Index>& nodes = node[static_cast<std::size_t>(p.curve)];
     const auto pieces = static_cast<Index>(nodes.size()) - 1;
+    // The place in pieces of the curve: 1 at its node, linear to its neighbors.
     const double s = std::clamp(p.arc / line.curves[static_cast<std::size_t>(p.curve)].arc.back(), 0.0, 1.0) * pieces;
     const Index i = std::min(static_cast<Index>(s), pieces - 1);
     return (nodes[static_cast<std::size_t>(i)] == k ? 1 - (s - i) : 0) +
            (nodes[static_cast<std::size_t>(i) + 1] == k ? s - i : 0);
   }
 };
+// About 24 pieces in all. Curves that meet share the node at their joint.
 Hats make_hats(const Shape& shape, Index label) {
   constexpr double wanted = 24;  // pieces
   Hats h{.line = boundary_line(shape, label)};
@@ -112,6 +126,7 @@ Hats make_hats(const Shape& shape, Index label) {
   }
   h.mass.setZero(h.count, h.count);
   for (const Piece& p : pieces) {
+    // int phi_i phi_k of linear hats.
     h.mass(p.a, p.a) += p.length / 3;
     h.mass(p.b, p.b) += p.length / 3;
     h.mass(p.a, p.b) += p.length / 6;
@@ -138,6 +153,7 @@ struct GuessData {
     return whiten(derivatives(at, v.what, v.angle));
   }
 };
+// Hats for x first, then for y; value is that of int phi (u - u_m), so that b has the sign turned.
 GuessData read_data(const Shape& frame, const Support& measured, const Model& m, const Field& s) {
   const auto hats = std::make_shared<const Hats>(make_hats(frame, measured.label));
   std::vector<Term> readings;
@@ -167,6 +183,7 @@ struct Dictionary {
   Eigen::MatrixXd columns;  // place by place
   Eigen::VectorXd squares;
 
+  // Columns run through the variants of a place, then of the next one.
   const Vec2& place(Eigen::Index column) const {
     return x[static_cast<std::size_t>(column) / variants.size()];
   }
@@ -182,6 +199,7 @@ Dictionary make_dictionary(const GuessData& data, const std::vector<Vec2>& place
   for (const Vec2& x : places) {
     const auto at = response_at(data.responses, x);
     for (const Variant& v : variants) {
+      // Places outside the body keep columns of 0, which nothing picks.
       if (at) d.columns.col(column) = data.column(*at, v);
       ++column;
     }
@@ -196,6 +214,7 @@ struct Range {
   double area(double rc, double cc) const {
     return cc > 0 ? std::clamp(rc / cc, least, most) : least;
   }
+  // r|^2 - |r - a c|^2 = a (2 r.c - a c.c).
   double gain(double rc, double cc) const {
     const double a = area(rc, cc);
     return a * (2 * rc - a * cc);
@@ -214,6 +233,7 @@ void draw_guess(const Guess& g, Drawn& d) {
 }
 
 /// No larger than there is room for.
+/// Two that come too close share the room in proportion to their sizes.
 void make_room(std::vector<Guess>& guesses, const std::vector<Sought>& sought, const Surroundings& around,
                double clear) {
   for (std::size_t i = 0; i < guesses.size(); ++i)
@@ -240,9 +260,11 @@ struct Search {
   Range range(std::size_t i) const {
     return {pi * sought[i].least * sought[i].least, pi * sought[i].most * sought[i].most};
   }
+  // A thing with a direction may be thin across: it keeps the clearance alone.
   double apart(std::size_t i, std::size_t k) const {
     return (sought[i].turns ? 0 : sought[i].least) + (sought[k].turns ? 0 : sought[k].least) + clear;
   }
+  // `but`: another thing that is placed anew with it.
   bool keeps_apart(std::size_t i, const Vec2& x, std::size_t but) const {
     for (std::size_t k = 0; k < picks.size(); ++k)
       if (k != i && k != but && picks[k].column.size() > 0 && (picks[k].x - x).norm() < apart(i, k)) return false;
@@ -262,6 +284,7 @@ struct Search {
     picks[i] = {d.place(column), d.variant(column), area, d.columns.col(column)};
   }
 
+  // Of all candidates the one that lowers |rest|^2 most; the present one stays unless another gains more than rounding.
   bool best_of(std::size_t i) {
     const Dictionary& d = *dictionary[i];
     const Eigen::VectorXd r = rest(i, i), rc = d.columns.transpose() * r;
@@ -279,6 +302,8 @@ struct Search {
   bool best_of(std::size_t i, std::size_t k) {
     const Dictionary &d = *dictionary[i], &e = *dictionary[k];
     const Range first = range(i), second = range(k);
+    // The unbounded optimum of two areas from the 2 x 2 normal equations bounds the gain; only pairs that may win are
+    // fitted within their ranges.
     const Eigen::VectorXd r = rest(i, k), rd = d.columns.transpose() * r, re = e.columns.transpose() * r;
     const auto explained = [](double a, double b, double ra, double rb, double aa, double bb, double ab) {
       return 2 * (a * ra + b * rb) - a * a * aa - b * b * bb - 2 * a * b * ab;
@@ -294,6 +319,7 @@ struct Search {
       const Eigen::VectorXd products = e.columns.transpose() * d.columns.col(c);
       for (Eigen::Index f = 0; f < re.size(); ++f) {
         const double aa = d.squares[c], bb = e.squares[f], ab = products[f], det = aa * bb - ab * ab;
+        // Nearly parallel columns tell no two things apart.
         if (!(det > 1e-9 * aa * bb)) continue;
         double a = (rd[c] * bb - re[f] * ab) / det, b = (re[f] * aa - rd[c] * ab) / det;
         if (2 * (a * rd[c] + b * re[f]) - a * a * aa - b * b * bb - 2 * a * b * ab <= best) continue;
@@ -312,6 +338,7 @@ struct Search {
     return true;
   }
 
+  // Coordinate descent converges for the convex problem in the areas.
   void fit_areas() {
     for (int round = 0; round < 200; ++round)
       for (std::size_t i = 0; i < picks.size(); ++i)
@@ -320,6 +347,8 @@ struct Search {
 
   /// Between the candidates, in steps that are halved.
   void refine(double spacing) {
+    // From half the spacing of the candidates to 1/128 of it.
+    // The angle from half the spacing of the 24 candidates.
     double step = 0.5 * spacing, turn = pi / 48;
     for (int level = 0; level < 7; ++level, step *= 0.5, turn *= 0.5) {
       bool moved = true;
@@ -327,6 +356,7 @@ struct Search {
         moved = false;
         for (std::size_t i = 0; i < picks.size(); ++i) {
           const Eigen::VectorXd r = rest(i, i);
+          // Both ways along x and y, and of the angle where there is one.
           const int directions = sought[i].turns ? 6 : 4;
           for (int way = 0; way < directions; ++way) {
             Pick trial = picks[i];
@@ -352,6 +382,7 @@ struct Search {
     }
   }
 
+  // Sizes by area = pi size^2; that of a crack is half its length.
   std::vector<Guess> guesses() const {
     std::vector<Guess> out;
     for (std::size_t i = 0; i < picks.size(); ++i)
@@ -369,6 +400,8 @@ struct Search {
     return sum;
   }
 
+  // One after the other first; then each again with the others held, then pairs at a time, for what one thing alone
+  // cannot gain.
   void find(double spacing) {
     picks.resize(sought.size());
     for (std::size_t i = 0; i < sought.size(); ++i)
@@ -418,12 +451,15 @@ double correct(Search& search, const Problem& p, double spacing, InitialGuess& o
       break;
     }
     const double left = (data.b - change).squaredNorm();
+    // At least 2 % must be gained: each round is a solve.
     if (!(left < 0.98 * least)) break;
     least = left;
     out.guesses = guesses;
+    // b - (change - predicted): what the expansion misses of the drawn guess [theory: I.3].
     search.b = data.b - change + search.predicted();
     search.refine(spacing);
   }
+  // Not even the first guess could be drawn or solved: what the expansion itself explains is told.
   if (least == infinity) least = (data.b - search.predicted()).squaredNorm();
   return whole > 0 ? 1 - least / whole : 0;
 }
@@ -437,6 +473,7 @@ struct Wanted {
 };
 
 /// The most negative values of the map of the objective.
+/// Things in the order of the design; later ones keep off those that are placed.
 std::vector<Guess> best_of_map(const Functional& objective, const Analysis& a, const Wanted& wanted) {
   const auto& [design, sought, around, clear, spacing] = wanted;
   std::vector<Guess> guesses;
@@ -516,6 +553,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
     sought.back().drawn = k;
   }
   if (sought.empty()) return out;
+  // What is given is in the body; only what asks for a map is looked for.
   auto body = body_of(given, start_of(given), p);
   const Model m = prepare(triangulate(body.shape, p.sizing), p.element, std::move(body.scene), p.threads);
   const State s = solve(m, p.contact);
@@ -524,6 +562,7 @@ InitialGuess initial_guess(const Problem& p, const Design& design, double clear)
   out.solves = 1;
   const Surroundings around = surroundings(m.mesh, p.objective);
   const Wanted wanted{design, sought, around, clear, extent(p.frame) / 60};
+  // The first term that is compared with data gives the readings.
   const auto with_data = std::find_if(p.objective.terms.begin(), p.objective.terms.end(),
                                       [](const Term& term) { return term.measured.has_value(); });
   if (with_data == p.objective.terms.end()) {

@@ -1,3 +1,13 @@
+// Variables of a design from readings of the displacement at sensors: min chi^2 = |u_v(x_i) - m_i|^2 within boxes and
+// geometric constraints [Levenberg 1944; Marquardt 1963; theory: I.4],
+//   (J'J + mu D^2) d = -J'r,   D the lengths of the columns of J.
+// J has few columns and many rows. Difference quotients, a state each, span a space Q with r in it; adjoints of the
+// readings q_k'u give the exact components G = J'Q, so that J'J = G G' up to the square of their error and J'r = G Q'r
+// exactly [theory: I.5]: where the search ends does not depend on the quotients. States of a round are on one mesh that
+// moves with the design; rounds begin anew until one moves nothing by 1e-3 of its box. At the end s^2 = chi^2/(N - p),
+// the covariance s^2 (J'J)^-1 of variables off their bounds, and 95 % ellipses of places [Seber, Wild 1989; theory:
+// I.6]. Derived in docs/theory/inverse.md.
+
 #include "base/dense.hpp"
 #include "kerf/inverse.hpp"
 #include "optimize/inverse/sensors.hpp"
@@ -28,6 +38,7 @@ struct Linearized {
   MatrixXd G;  // variables x columns of Q; zero rows for fixed variables
 };
 
+// The method of Levenberg and Marquardt, with the mesh of the round and one for trials that it cannot follow.
 class Fit {
  public:
   Fit(const Problem& p, const OptimizeRequest& r, const Readings& readings)
@@ -112,27 +123,33 @@ VectorXd Fit::begin_round(const VectorXd& x) {
   return *r;
 }
 
+// Basis Q of quotients and r, then exact derivatives of the readings q_k'u by adjoints on the same mesh [theory: I.5].
 Linearized Fit::linearize(const VectorXd& x, const VectorXd& r) {
   MatrixXd quotients(r.size(), x.size() + 1);
   Eigen::Index columns = 0;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     if (!is_free(i)) continue;
     VectorXd y = x;
+    // Backwards at the upper bound.
     const double h = difference * (upper_[i] - lower_[i]);
     y[i] += y[i] + h <= upper_[i] ? h : -h;
     if (const std::optional<VectorXd> other = misfit(here_, y)) quotients.col(columns++) = (*other - r) / (y[i] - x[i]);
   }
+  // With r among the columns G p is the exact slope of chi^2/2.
   quotients.col(columns++) = r;
   for (Eigen::Index k = 0; k < columns; ++k)
     if (const double size = quotients.col(k).norm(); size > 0) quotients.col(k) /= size;
+  // Columns are scaled first: the rank is of directions, not of units.
   const Eigen::ColPivHouseholderQR<MatrixXd> qr = pivoted_qr(quotients.leftCols(columns));
   const MatrixXd basis = orthonormal(qr, qr.rank());
+  // Readings weighted by the columns of Q, as functionals.
   const auto asked = [&](const Model& m) {
     std::vector<Functional> all;
     for (Eigen::Index k = 0; k < basis.cols(); ++k)
       all.push_back({"reading", {here_.sensors->weighted(m, basis.col(k))}});
     return all;
   };
+  // No numbers are read off: derivatives alone are asked for.
   const auto nothing = [](const Model&, const Field&) { return VectorXd(); };
   ++out_.state_solves;
   const Evaluations::Response found = here_.evaluations->respond(x, nothing, asked);
@@ -172,6 +189,7 @@ VectorXd Fit::step(const Linearized& l, const VectorXd& x, double damping) const
       A.col(k).head(l.p.size()) = l.G.row(free[static_cast<std::size_t>(k)]) / size[free[static_cast<std::size_t>(k)]];
       A(l.p.size() + k, k) = std::sqrt(damping);
     }
+    // In units of D: columns of G over their lengths, sqrt(mu) times the identity below.
     VectorXd b = VectorXd::Zero(A.rows());
     b.head(l.p.size()) = -rhs;
     const VectorXd z = solve_least_squares(A, b);
@@ -189,6 +207,7 @@ VectorXd Fit::step(const Linearized& l, const VectorXd& x, double damping) const
 }
 
 /// The largest cosine between the misfit and what a variable that may move changes it by.
+/// At a bound only what pulls inwards counts.
 double Fit::optimality(const Linearized& l, const VectorXd& x) const {
   double most = 0;
   const double size = l.p.norm();
@@ -209,12 +228,16 @@ bool Fit::improve(VectorXd& x, VectorXd& r) {
   const double allowed = violation(x);
   for (int trial = 0; trial < most_trials; ++trial, damping_ = std::max(10 * damping_, 1e-6)) {
     const VectorXd d = step(l, x, damping_), y = (x + d).cwiseMax(lower_).cwiseMin(upper_);
+    // The fall of |p|^2 = |r|^2 by the linear model; |p|^2/N is the variance that `settled` is relative to.
     const double predicted = l.p.squaredNorm() - (l.p + l.G.transpose() * d).squaredNorm();
     if (!(predicted > settled * l.p.squaredNorm() / static_cast<double>(r.size()))) return false;
+    // No step may violate the geometry more than the design does already.
     if (violation(y) > allowed) continue;
     const std::optional<VectorXd> other = try_at(y);
     if (!other || !(other->squaredNorm() < r.squaredNorm())) continue;
+    // More than half of what the linear model predicted: less damping.
     if (r.squaredNorm() - other->squaredNorm() > 0.5 * predicted) damping_ *= 0.1;
+    // The mesh of an accepted trial becomes that of the round.
     if (fresh_) std::swap(here_, there_);
     x = y;
     r = *other;
@@ -227,12 +250,14 @@ bool Fit::improve(VectorXd& x, VectorXd& r) {
 /// Noise, covariance and ellipses at the end.
 void Fit::describe(const Linearized& l) {
   const VectorXd& x = out_.variables;
+  // Variables at a bound count as known [theory: I.6].
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < x.size(); ++i)
     if (is_free(i) && x[i] > lower_[i] && x[i] < upper_[i] && l.G.row(i).norm() > 0) free.push_back(i);
   const auto n = static_cast<Eigen::Index>(free.size());
   out_.readings = static_cast<int>(measured_.size());
   out_.estimated = !(readings_.noise > 0);
+  // N - p degrees of freedom, one at least.
   const double left = std::max(1.0, static_cast<double>(measured_.size() - n));
   out_.noise = out_.estimated ? std::sqrt(out_.end / left) : readings_.noise;
   out_.covariance = MatrixXd::Zero(x.size(), x.size());
@@ -242,6 +267,7 @@ void Fit::describe(const Linearized& l) {
     size[k] = l.G.row(free[static_cast<std::size_t>(k)]).norm();
     J.col(k) = l.G.row(free[static_cast<std::size_t>(k)]).transpose() / size[k];
   }
+  // Of columns of length 1, for the sake of its condition; the lengths come back below.
   const MatrixXd inverse = solve_symmetric(transposed_multiply(J, J), MatrixXd::Identity(n, n));
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)
@@ -256,6 +282,7 @@ void Fit::describe(const Linearized& l) {
                                 : one.kind == Drawn::Kind::Spline ? 0
                                                                   : 1;
     for (Eigen::Index k = 0; k < places; ++k) {
+      // Semi-axes are sqrt(quantile lambda) along the eigenvectors, the longer one first.
       const Eigen::SelfAdjointEigenSolver<Mat2> axes(Mat2(out_.covariance.block<2, 2>(first + 2 * k, first + 2 * k)));
       const Vec2 along = axes.eigenvectors().col(1);
       out_.ellipses.push_back(
@@ -268,6 +295,8 @@ void Fit::describe(const Linearized& l) {
   }
 }
 
+// Each round is on a mesh made for its first design; the misfit there differs from that of the round before by the
+// error of meshes.
 LeastSquares Fit::run(const VectorXd& start) {
   VectorXd x = start, r = begin_round(x);
   out_.start = r.squaredNorm();

@@ -1,3 +1,6 @@
+// Displacements at points of the boundary, from the traces on the edges of a mesh; weighted sums of them as integrals
+// over the label, whose derivatives by state and shape are known (docs/theory/inverse.md, "Least squares").
+
 #include "optimize/inverse/sensors.hpp"
 
 #include "geometry/plane.hpp"
@@ -19,6 +22,7 @@ Sensors::Sensors(const Mesh& mesh, const Readings& readings) : label_(readings.l
     }
   if (lines_.empty()) throw Error(Fault::Usage, "readings: nothing of the boundary has the label they belong to");
   for (const Vec2& x : readings.at) {
+    // At a vertex both edges are as near, and each has half.
     double least = infinity;
     std::vector<Spot> near;
     for (const Line& line : lines_) {
@@ -32,6 +36,7 @@ Sensors::Sensors(const Mesh& mesh, const Readings& readings) : label_(readings.l
   }
 }
 
+// Traces are in the frame of their edge; the polynomials are those of Lagrange at its Gauss points.
 Eigen::VectorXd Sensors::read(const Model& m, const Field& s) const {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(spots_.size()));
   for (std::size_t i = 0; i < spots_.size(); ++i)
@@ -72,6 +77,7 @@ Term Sensors::weighted(const Model& m, const Eigen::VectorXd& weights) const {
     }
   std::erase_if(*edges, [](const OnEdge& e) { return e.coefficient.isZero(0); });
   Term term{.kind = "reading", .linear = true, .label = label_};
+  // A boundary point knows no edge: the one that it lies on is looked for.
   term.on_boundary = [edges, trace](const Vec2& x, const Vec2&, const Vec2& u) {
     Density out;
     for (const OnEdge& e : *edges) {

@@ -1,3 +1,9 @@
+// Synthetic measurements: the true body is solved, its displacements are read at sensors along the label and get normal
+// noise relative to their root mean square. The field between the sensors is interpolated by cubics along each curve,
+// since the misfit as an energy wants data at every point [theory: T.7]; sensors where a support begins are known and
+// get no noise. Normal numbers are made from the bits of mt19937 by the method of Box and Muller and rounded to 1e-9,
+// so that they are the same on every machine. docs/theory/inverse.md.
+
 #include "kerf/inverse.hpp"
 #include "solver/system.hpp"
 
@@ -67,6 +73,7 @@ Vec2 interpolate(const Samples& s, const std::vector<Vec2>& u, double arc) {
     return 0.5 * (value(k + 1) - value(k - 1));
   };
   const double r = 1 - t;
+  // Hermite's cubic of two values and two slopes, slopes per spacing.
   return r * r * (1 + 2 * t) * value(i) + t * t * (1 + 2 * r) * value(i + 1) + r * r * t * slope(i) -
          r * t * t * slope(i + 1);
 }
@@ -83,6 +90,7 @@ std::vector<double> normal_numbers(unsigned seed, std::size_t count) {
   const auto round = [](double x) { return std::round(x * 1e9) / 1e9; };
   std::vector<double> out;
   while (out.size() < count) {
+    // [0, 1) shifted by half a step, so that no logarithm of 0 is taken; two normal numbers from two uniform ones.
     const double radius = std::sqrt(-2 * std::log(uniform())), angle = 2 * pi * uniform();
     out.push_back(round(radius * std::cos(angle)));
     if (out.size() < count) out.push_back(round(radius * std::sin(angle)));
@@ -90,6 +98,7 @@ std::vector<double> normal_numbers(unsigned seed, std::size_t count) {
   return out;
 }
 
+// Sensors at equal distances along each curve, shared at joints.
 Measurement measure(const Synthetic& s, int threads) {
   auto data = std::make_shared<SyntheticData>();
   data->line = boundary_line(s.true_shape, s.label);
@@ -122,6 +131,7 @@ Measurement measure(const Synthetic& s, int threads) {
         sensor = out.at.size();
         out.at.push_back(point_at(curve, length * i / intervals));
         out.exact.push_back(trace_at(model, state, edges, length, out.at.back()));
+        // Where a support begins the displacement is prescribed: no sensor's noise.
         out.known.push_back((i == 0 && is_supported(s.true_scene, curve.beside[0])) ||
                             (i == intervals && is_supported(s.true_scene, curve.beside[1])));
         if (joint != none) at_joint[static_cast<std::size_t>(joint)] = sensor;
@@ -132,6 +142,7 @@ Measurement measure(const Synthetic& s, int threads) {
   }
   for (const Vec2& u : out.exact) out.scale += u.squaredNorm();
   out.scale = std::sqrt(out.scale / (2.0 * static_cast<double>(out.exact.size())));
+  // Relative to the root mean square of a component over all sensors.
   const std::vector<double> noise = normal_numbers(s.seed, 2 * out.at.size());
   for (std::size_t i = 0; i < out.at.size(); ++i)
     out.displacement.push_back(
@@ -144,6 +155,7 @@ Measurement measure(const Synthetic& s, int threads) {
   return out;
 }
 
+// What is prescribed is no reading.
 Readings readings_of(const Measurement& m, const Synthetic& s) {
   Readings r{.label = s.label, .at = {}, .displacement = {}, .noise = s.noise * m.scale};
   for (std::size_t i = 0; i < m.at.size(); ++i)

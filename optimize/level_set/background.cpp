@@ -1,3 +1,12 @@
+// The canvas of a level set: a mesh of the frame with a function phi that is linear on its triangles and negative in
+// the material. Signed distances to the zero line (and to the rim with material on it) come from a front that carries
+// the nearest piece from vertex to vertex, nearest first, up to 20 edges: exact beside the boundary, where it is used,
+// and never of another sign than phi. Values along the boundary are extended by the same front, so that they are
+// constant along normals. What stays solid or void is imposed by phi = min(max(phi, hollow), frozen) with the distances
+// to both, a mirror by the mean of phi and its image. The area wanted comes by a shift, phi + c, whose derivative is
+// minus the length of the zero line: secants in a bracket. Discs are cut by max(phi, radius - |x - center|). What moves
+// on it is in docs/theory/level_set.md.
+
 #include "optimize/level_set/background.hpp"
 
 #include "geometry/plane.hpp"
@@ -14,6 +23,7 @@ constexpr double band = 20;  // edges of the mesh; farther from the boundary not
 
 /// A front that carries the nearest of some sources from vertex to vertex, nearest first. `distance_to(v, i)`: of
 /// vertex v to source i.
+/// `distance` is infinite and `source` none beyond the reach.
 struct Carried {
   Eigen::VectorXd distance;
   std::vector<Index> source;
@@ -30,6 +40,7 @@ Carried carry(const BackgroundMesh& b, std::span<const std::pair<Index, Index>> 
       return std::tie(distance, vertex, source) > std::tie(o.distance, o.vertex, o.source);
     }
   };
+  // Ties are broken by vertex and source, so that the result does not depend on the order of the seeds.
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> front;
   // The first of each vertex that waits: no later one will be taken.
   struct First {
@@ -71,6 +82,7 @@ bool inside(const Polygon& p, const Vec2& x) {
   return odd;
 }
 
+// Negative inside.
 double to_polygon(const Polygon& p, const Vec2& x) {
   double least = infinity;
   for (std::size_t i = 0; i < p.points.size(); ++i)
@@ -78,6 +90,8 @@ double to_polygon(const Polygon& p, const Vec2& x) {
   return inside(p, x) ? -least : least;
 }
 
+// The union of loops with their margins, of strips along labels and of discs: the least of the distances. Empty:
+// nothing stays solid.
 Eigen::VectorXd distance_to_solid(const Mesh& mesh, const Solid& solid, double chord) {
   if (solid.loops.empty() && solid.labels.empty() && solid.discs.empty()) return {};
   Eigen::VectorXd d = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(mesh.points.size()), infinity);
@@ -117,6 +131,8 @@ Vec2 image_of(const Mirror& mirror, const Vec2& x) {
   return mirror.point + 2 * along.dot(d) * along - d;
 }
 
+// Neighbors of the vertices in one list, as the rows of a sparse matrix. The rim are edges of the frame that may
+// recede: neither supports nor what bears loads.
 BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {
   BackgroundMesh b{.mesh = std::move(mesh)};
   const std::size_t n = b.mesh.points.size();
@@ -136,6 +152,7 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
     b.around[static_cast<std::size_t>(next[static_cast<std::size_t>(w)]++)] = v;
     lengths += length(b.mesh, e);
   }
+  // Mean length of the edges.
   b.size = lengths / static_cast<double>(b.mesh.edges.size());
   b.frozen = distance_to_solid(b.mesh, solid, 0.01 * b.size);
   b.locator = make_locator(b.mesh);
@@ -155,6 +172,7 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
       // A point next to the boundary may have its image a rounding outside.
       BackgroundMesh::Image image{nearest_triangle(b.mesh, b.locator, y)};
       image.weight = barycentric(b.mesh, image.triangle, y);
+      // Farther outside the mirror shows no body.
       if (image.weight.minCoeff() < -1e-3) image.triangle = none;
       b.image.push_back(image);
     }
@@ -162,7 +180,9 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
   return b;
 }
 
+// By size it is a distance, by sign it is phi: a vertex never changes sides.
 Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& phi) {
+  // Pieces of the zero line, and edges of the rim with material at both ends; seeds are the corners of their triangles.
   std::vector<ZeroPiece> pieces = zero_line(b.mesh, phi);
   for (const Index e : b.rim) {
     const auto& [v, w] = b.mesh.edges[static_cast<std::size_t>(e)];
@@ -193,6 +213,8 @@ double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x
   return barycentric(b.mesh, t, x).dot(Eigen::Vector3d(f[v[0]], f[v[1]], f[v[2]]));
 }
 
+// Points outside, by rounding or beside the frame, give their whole amount to the nearest triangle: shares are made
+// nonnegative and normed.
 Eigen::VectorXd spread_onto(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& amounts) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(b.mesh.points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -205,7 +227,9 @@ Eigen::VectorXd spread_onto(const BackgroundMesh& b, std::span<const Vec2> point
   return load;
 }
 
+// The mirror first: what stays solid or void counts whatever the mean is.
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi) {
+  // Images are read from a copy: they must not be means already.
   if (!b.image.empty()) {
     const Eigen::VectorXd given = phi;
     for (Eigen::Index v = 0; v < phi.size(); ++v) {
@@ -225,9 +249,11 @@ Eigen::VectorXd clipped(const BackgroundMesh& b, Eigen::VectorXd phi) {
   return phi;
 }
 
+// Area falls as c grows, so that a bracket holds throughout; 1e-9 of the frame is enough.
 Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, double area) {
   const auto shifted = [&](double c) { return clipped(b, (phi.array() + c).matrix()); };
   const double whole = b.lumped.sum(), enough = 1e-9 * whole;
+  // Below `low` all is material, above `high` none.
   double low = -phi.maxCoeff() - b.size, high = -phi.minCoeff() + b.size;  // all material, none
   double at = 0, excess = negative_area(b.mesh, shifted(at)) - area;
   // Secants while they stay in the bracket: the derivative by c is minus the length of the zero line.
@@ -239,6 +265,7 @@ Eigen::VectorXd with_area(const BackgroundMesh& b, const Eigen::VectorXd& phi, d
       const double secant = at - excess * (at - before) / (excess - excess_before);
       if (secant > low && secant < high) next = secant;
     } else if (i == 0) {
+      // The first secant needs two points: a tenth of an edge towards the area.
       const double guess = at + std::copysign(0.1 * b.size, excess);
       if (guess > low && guess < high) next = guess;
     }
@@ -256,6 +283,7 @@ void cut_discs(const BackgroundMesh& b, std::span<const Disc> discs, Eigen::Vect
   phi = clipped(b, std::move(phi));
 }
 
+// Vertices beyond the band keep 0.
 Eigen::VectorXd extend(const BackgroundMesh& b, std::span<const Vec2> points, const Eigen::VectorXd& values) {
   // Points and the three corners of the triangle around (or next to) each.
   std::vector<std::pair<Index, Index>> seeds;

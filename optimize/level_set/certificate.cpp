@@ -1,3 +1,13 @@
+// What small changes of topology would bring to a design, against the price of their area [theory: L.11, L.13]. The
+// prices of area and of the bounds that bind (within 1 % of their limits) are the nonnegative ones that balance the
+// rates along the free boundary best: min |sum mu_k g_k + lambda + g|^2 weighted by length. With them
+//   hole margin = min (T - lambda)/lambda over centroids,
+//   bump margin = min (lambda + kappa dJ_n)/lambda over free edges,
+// T and dJ_n of J plus the bounds times their prices, kappa the share of a half disc of material (topo/bump.hpp).
+// Places beside the boundary, where moving it does the same, in what stays solid and within two mesh sizes of singular
+// points are left out. `proved` makes holes at the least T and asks the validation whether T says what they bring.
+// Derived in docs/theory/level_set.md, section "Optimality".
+
 #include "optimize/level_set/certificate.hpp"
 
 #include "base/nonnegative.hpp"
@@ -37,6 +47,7 @@ bool beside_singular(const Ground& g, const std::vector<Vec2>& singular, const V
 
 }  // namespace
 
+// Only the area where it is used up, and bounds within 1 % of their limits, have a price.
 Prices prices_of(const Ground& g, const Evaluated& e) {
   Prices prices{g.price, std::vector<double>(e.bounds.size(), 0)};
   prices.rate = boundary_rate(e, analyze_objective(e));
@@ -61,6 +72,7 @@ Prices prices_of(const Ground& g, const Evaluated& e) {
   if (full) A.col(count - 1) = weight;
   const double volume = g.r.volume_penalty;  // J has the rest
   const Eigen::VectorXd right = -weight.cwiseProduct((objective.density(rows).array() + volume).matrix());
+  // Columns are scaled to length 1: rates of stresses and of compliances have different units.
   Eigen::VectorXd unit = A.colwise().norm().transpose().cwiseMax(1e-300);
   const Eigen::VectorXd x = nonnegative_least_squares(A * unit.cwiseInverse().asDiagonal(), right).cwiseQuotient(unit);
   for (std::size_t k = 0; k < binds.size(); ++k) {
@@ -71,6 +83,7 @@ Prices prices_of(const Ground& g, const Evaluated& e) {
   return prices;
 }
 
+// T is taken from the element's own stress at centroids, of the sum of J and the bounds with their prices.
 HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices) {
   constexpr double beside = 1;  // of the boundary, in mesh sizes
   const Model& m = e.cases.front().model;
@@ -102,6 +115,7 @@ HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices
   return holes;
 }
 
+// (L.13) has no body force and no density in the body: there the margin is not looked at.
 BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices) {
   BumpMargin bumps;
   const auto has_density = [](const Functional& j) {
@@ -112,6 +126,7 @@ BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices
   for (std::size_t k = 0; k < prices.bound.size(); ++k)
     if (prices.bound[k] > 0 && has_density(e.bounded[k])) return bumps;
   const BoundaryRate& rate = prices.rate;
+  // The rate contains what volume costs in J; the price has all of it.
   const double in_rate = g.price - g.r.volume_penalty;  // what volume costs in J
   const std::vector<Vec2> singular = singular_points(e.cases.front().model);
   for (Eigen::Index i = 0; i < rate.density.size(); ++i) {
@@ -123,6 +138,7 @@ BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices
   return bumps;
 }
 
+// Radii 0.4 of the mesh size and halves of it, under every load case: the first verdict that does not hold is told.
 Verdict proved(const Ground& g, const Evaluated& e, const Vec2& at) {
   constexpr double wide = 3, largest = 0.4;  // radius, of the mesh size: the boundary is a mesh size away
   Sizing sizing = g.p.sizing;

@@ -1,3 +1,9 @@
+// Material that hangs on the rest of a level set by one thin neck and bears nothing is turned into void. The material
+// is cut into thick and thin parts: thick is what discs of the given radius inside it cover. Parts and the places where
+// they meet form a graph; a part that bears nothing and meets others at one place at most is a leaf, and leaves go
+// until none is left. So a bar between two bodies stays, as does all that touches a load, a support or what stays
+// solid. The count of a thick part's joints is kept up to date as its neighbors go.
+
 #include "optimize/level_set/dangling.hpp"
 
 #include "optimize/level_set/parts.hpp"
@@ -13,6 +19,7 @@ namespace {
 using Flags = std::vector<char>;
 
 /// Vertices of the material that discs of radius half_width inside it cover, up to an edge of the canvas.
+/// Each disc is a walk over neighbors within it: the cost is the number of vertices times those of a disc.
 Flags thick_parts(const BackgroundMesh& b, double half_width, const Eigen::VectorXd& phi) {
   Flags thick(b.mesh.points.size(), 0);
   std::vector<Index> seen, looked_from(thick.size(), none);  // which center looked at a vertex last
@@ -50,6 +57,7 @@ Parts parts_of(const BackgroundMesh& b, const Flags& thick, const Flags& bearing
 }
 
 /// Where a thin part meets thick ones: the part that it meets, once per connected place.
+/// Vertices of a thick part that touch the thin one are grouped by their connections: one group is one joint.
 std::vector<std::vector<Index>> joints(const BackgroundMesh& b, const Parts& parts) {
   std::vector<std::map<Index, Index>> touched(parts.thin.size());  // per thin part: thick vertices -> group
   for (std::size_t v = 0; v < parts.of.size(); ++v) {
@@ -88,6 +96,7 @@ Flags bearing_vertices(const BackgroundMesh& b, std::span<const Index> labels) {
 
 }  // namespace
 
+// Without anything that bears there is nothing that material could hang on.
 void drop_dangling(const BackgroundMesh& b, std::span<const Index> labels, double half_width, Eigen::VectorXd& phi) {
   const Flags bearing = bearing_vertices(b, labels);
   if (std::find(bearing.begin(), bearing.end(), 1) == bearing.end()) return;

@@ -1,4 +1,5 @@
 #pragma once
+// What of a level set's material only weighs.
 
 #include "optimize/level_set/background.hpp"
 

@@ -1,3 +1,13 @@
+// One design of a level set on its way down. A step is 1. the rates of J and of the bounds along the boundary, prices
+// and speed from them (speed.cpp) [theory: L.1, L.2], or for the fixed point a turn of phi towards lambda - T
+// (fixed_point.cpp) [theory: L.5]; 2. the motion phi - v on the canvas, holes where T pays (nucleate.cpp) [theory:
+// L.6], what must stay solid or mirrored, idle pieces dropped, the area shifted to the one allowed; 3. the design
+// drawn, meshed and solved; it is taken unless the merit J + p |Omega| + sum nu_k max(c_k, 0) [theory: L.7] rises by
+// more than redrawing changes. The radius follows the actual change over the predicted one [theory: L.12]. The allowed
+// area falls by 3 % of the frame per step to the one wanted; until then rises of J are followed. At the end holes are
+// tried once more: eight steps later the merit has to be lower, or the design before comes back. All that a step leaves
+// to the next is in DescentState (progress.hpp), so that a checkpoint goes on bit for bit. docs/theory/level_set.md.
+
 #include "optimize/level_set/descent.hpp"
 
 #include "kerf/map.hpp"
@@ -51,12 +61,14 @@ double lower_third(const Eigen::VectorXd& values) {
   return *at;
 }
 
+// A function of any scale becomes a signed distance with what must stay solid, void or mirrored in it.
 Eigen::VectorXd from_nothing(const Ground& g, Eigen::VectorXd phi) {
   return signed_distance(g.background, constrained(g.background, std::move(phi)));
 }
 
 /// Share of every bound that a descent may use: a polygon that is drawn anew in each step has peaks of stress at its
 /// vertices which no step can foretell. Bounds of stresses are for the curves, whose derivatives are exact.
+/// A share of infinity leaves a bound out of the descent.
 std::vector<double> left_to_curves(const Ground& g) {
   std::vector<double> share(g.r.bounds.size(), 1);
   if (g.weak() || g.turns()) return share;
@@ -69,11 +81,13 @@ constexpr const char* no_iterations = "the iterations asked for are done";
 
 }  // namespace
 
+// What a checkpoint of this ground must fit.
 StateSizes sizes_of_state(const Ground& g) {
   return {g.background.lumped.size(), static_cast<Eigen::Index>(g.r.bounds.size()), largest_step_radius * g.size,
           largest_turn};
 }
 
+// The words of the end are the only record of it in a checkpoint.
 bool out_of_iterations(const DescentState& s) {
   return s.ended.starts_with(no_iterations);
 }
@@ -102,6 +116,8 @@ Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
   anchored_ = same(s_.anchor.phi, s_.best.phi) ? best_ : drawn(s_.anchor.phi);
 }
 
+// The start is drawn and solved as it is. The fixed point leaves its start whatever that costs; the others count it as
+// a design to beat.
 void Descent::begin(const Eigen::VectorXd& start) {
   Eigen::VectorXd phi = from_nothing(g_, start);
   if (!g_.turns()) drop_idle(phi);
@@ -123,6 +139,7 @@ void Descent::begin(const Eigen::VectorXd& start) {
   if (!g_.turns()) keep_if_best();  // the fixed point leaves its start, whatever that costs
 }
 
+// The area is the one wanted: from then on designs are compared and kept.
 bool Descent::settled() const {
   return !g_.limited || s_.allowed <= g_.target;
 }
@@ -143,7 +160,7 @@ Eigen::VectorXd Descent::relative(const Eigen::VectorXd& bounds) const {
   return c;
 }
 
-/// J + price of area + weighted violations of the bounds [theory: L.12].
+/// J + price of area + weighted violations of the bounds [theory: L.7].
 double Descent::value(double J, double area, const Eigen::VectorXd& bounds) const {
   double sum = J + g_.r.volume_penalty * area;
   if (bounds.size() > 0) sum += s_.weight.dot(relative(bounds).cwiseMax(0));
@@ -176,6 +193,7 @@ double Descent::noise() const {
 }
 
 /// Those that weigh in the merit near their limits, with what they weigh.
+/// `harder` is taken off again: weights are 1.5 times the multipliers.
 std::vector<WeightedAnalysis> Descent::binding_bounds() const {
   std::vector<WeightedAnalysis> all;
   const Eigen::VectorXd c = relative(vector_of(design_->bounds));
@@ -190,6 +208,9 @@ std::vector<WeightedAnalysis> Descent::binding_bounds() const {
   return all;
 }
 
+// T of what would happen to each triangle: a hole in the material or, in a weak phase, an inclusion of the weak
+// material; in the weak phase itself the strong material, whose sign is turned so that both say what taking material
+// away does.
 Eigen::VectorXd Descent::derivative() const {
   const Evaluated& e = *design_;
   const Mesh& mesh = e.cases.front().model.mesh;
@@ -213,6 +234,8 @@ Eigen::VectorXd Descent::derivative() const {
   return T;
 }
 
+// Every load case within a tenth of the worst of a bound has a rate of its own: the step may make another one the
+// worst.
 const Descent::Rates& Descent::rates() const {
   constexpr double far = 0.1;  // below the worst load case: does not count
   if (rates_) return *rates_;
@@ -230,6 +253,8 @@ const Descent::Rates& Descent::rates() const {
   return *rates_;
 }
 
+// A violated bound is to fall by at most 5 % per step. More is asked for where predicted falls came true in part only
+// (faith).
 StepLimits Descent::limits(double radius, double allowed) const {
   const LevelSetRequest& how = g_.r.level_set;
   StepLimits l{.radius = radius,
@@ -253,6 +278,7 @@ const Eigen::VectorXd& Descent::distance() const {
   return *distance_;
 }
 
+// The objective's rate is without what volume costs in J: that belongs to the price.
 MovingDesign Descent::moving() const {
   const Rates& r = rates();
   return {g_.background, distance(), r.objective, r.bounded, g_.free_label()};
@@ -263,6 +289,7 @@ double Descent::residual() const {
   return shape_residual(of, limits(g_.size, g_.limited ? std::max(g_.target, design_->area) : infinity));
 }
 
+// Without any boundary to move no price is known, and the lower third of T stands in for it.
 void Descent::nucleate(Tried& t, const Eigen::VectorXd& distance) {
   const LevelSetRequest& how = g_.r.level_set;
   const bool enclosed = rates_->objective.curve.edges.empty();
@@ -295,6 +322,8 @@ void Descent::drop_idle(Eigen::VectorXd& phi) const {
   drop_dangling(g_.background, bearing, 0.5 * g_.size, phi);
 }
 
+// Along the normal: the signed distance less the speed is the distance to the moved boundary, as far as the speed is
+// constant along normals.
 void Descent::move_boundary(Tried& t) {
   const LevelSetRequest& how = g_.r.level_set;
   const Rates& r = rates();
@@ -309,6 +338,8 @@ void Descent::move_boundary(Tried& t) {
   drop_idle(t.phi);
 }
 
+// The step of the fixed point starts from psi of the step before, not from what was drawn of it: drawing loses what is
+// thinner than the mesh.
 void Descent::turn(Tried& t) const {
   const Eigen::VectorXd T = derivative();
   const FixedPoint f = fixed_point(
@@ -323,6 +354,7 @@ void Descent::turn(Tried& t) const {
   if (g_.limited) t.phi = with_area(g_.background, t.phi, t.allowed);
 }
 
+// The allowed area falls by less where the step is smaller.
 Descent::Tried Descent::attempt() {
   Tried t;
   const double less = g_.turns() ? s_.turn / largest_turn : s_.radius / (largest_step_radius * g_.size);
@@ -331,14 +363,15 @@ Descent::Tried Descent::attempt() {
     if (g_.turns()) {
       turn(t);
       s_.residual = t.step.residual;
+      // The angle is known with the step: it belongs to the row of the design that the step leaves.
       std::find_if(s_.rows.rbegin(), s_.rows.rend(), [](const Iteration& r) { return r.accepted; })->optimality =
           s_.residual;
     } else {
       move_boundary(t);
     }
     std::optional<double> wanted;
-    // Where less material is better everywhere the area is not held.
     const double area = negative_area(g_.background.mesh, t.phi);
+    // The area is held where material is worth more than it costs; otherwise less of it is better.
     if (g_.limited && (g_.turns() || t.step.price > g_.price || area > t.allowed)) wanted = t.allowed;
     if (wanted && !g_.turns()) t.phi = with_area(g_.background, t.phi, *wanted);
     ++s_.solves;
@@ -351,6 +384,7 @@ Descent::Tried Descent::attempt() {
 }
 
 /// Weights of violations follow the multipliers.
+/// A weight follows its multiplier up at once and down by a tenth per step, so that the merit does not change its mind.
 void Descent::judge(Tried& t) {
   if (!rates_) return;
   Eigen::VectorXd now = Eigen::VectorXd::Zero(s_.weight.size());
@@ -377,6 +411,7 @@ double Descent::own_residual() const {
   }
 }
 
+// A row of the history, with its residual: what the step from here asks for is kept for it.
 void Descent::show(Design design, std::vector<std::string> notes) {
   design_ = std::move(design);
   rates_.reset();
@@ -409,6 +444,7 @@ std::vector<std::string> new_of(const std::vector<std::string>& notes, const std
   return fresh;
 }
 
+// A step was made: its notes, the radius for the next one, and whether it is the best so far.
 void Descent::take(Tried& t) {
   const double before = merit();
   if (t.nucleated) log_nucleated(t, {});
@@ -425,12 +461,14 @@ void Descent::take(Tried& t) {
   if (g_.turns()) s_.psi = t.psi;
   s_.drawn = std::move(t.drawing.notes);
   s_.allowed = t.allowed;
+  // Steps that still gain 1 % do not use up the time in which holes appear.
   if (settled() && !(s_.explore && after < before - stride * std::abs(before))) ++s_.settled;
   show(std::move(t.drawing.design), std::move(notes));
   keep_if_best();
 }
 
 /// By what came of what was predicted, where that is more than noise.
+/// While the area falls, or with new holes, the prediction is of another design.
 void Descent::adapt_radius(const Tried& t, double before, double after) {
   constexpr double more = 1.4, less = 0.6, good = 0.6, bad = 0.1;
   double factor = 1;
@@ -444,6 +482,7 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
         if (!(t.step.bounded[i] < -redrawing * std::abs(design_->bounds[k]))) continue;
         double& faith = s_.faith[static_cast<Eigen::Index>(k)];
         const double came = (t.drawing.design->bounds[k] - design_->bounds[k]) / t.step.bounded[i];
+        // Half of what was believed, half of what came true.
         faith = std::clamp(0.5 * (faith + came), 0.1, 1.0);
       }
     const double predicted = value(design_->J + t.step.objective + (g_.price - g_.r.volume_penalty) * t.step.area,
@@ -458,6 +497,7 @@ void Descent::adapt_radius(const Tried& t, double before, double after) {
   s_.turn = std::min(factor * s_.turn, largest_turn);
 }
 
+// A design that keeps its bounds beats every one that does not.
 void Descent::keep_if_best() {
   if (!settled()) return;
   const double now = merit(), before = value(s_.best);
@@ -471,6 +511,7 @@ void Descent::keep_if_best() {
   s_.track.push_back(value(s_.best));
 }
 
+// The radius and the turn are halved; the row has the step that was tried, and no design.
 void Descent::refuse(const Tried& t, double rise) {
   const std::string why = t.drawing.design
                               ? fmt::format("refused: merit would rise by {:.2g} %", 100 * rise / std::abs(merit()))
@@ -497,6 +538,7 @@ void Descent::refuse(const Tried& t, double rise) {
   s_.rows.push_back(std::move(row));
 }
 
+// Back to a design that was drawn before: nothing is solved.
 void Descent::go_back(const KeptDesign& to, const std::string& why) {
   s_.phi = to.phi;
   if (g_.turns()) s_.psi = to.phi;
@@ -505,6 +547,8 @@ void Descent::go_back(const KeptDesign& to, const std::string& why) {
   show(&to == &s_.anchor ? anchored_ : best_, {fmt::format("back to iteration {}: {}", to.iteration, why)});
 }
 
+// Three reasons: the shape residual is small, the best merit stands still over a window of steps, the radius is too
+// small.
 std::string Descent::reason_to_end() const {
   if (!settled() || s_.best.phi.size() == 0 || appearing()) return {};
   const std::size_t n = s_.track.size();
@@ -526,6 +570,7 @@ bool Descent::try_nucleation() {
   ++s_.trials;
   rates();
   Tried t;
+  // Only places well below the price are tried.
   t.step.price = pays * s_.price;
   t.phi = distance();
   nucleate(t, distance());
@@ -538,6 +583,7 @@ bool Descent::try_nucleation() {
     ++s_.solves;
     t.drawing = draw(g_, t.phi, wanted, rules_.coarse);
     log_nucleated(t, " on trial");
+    // The anchor is what the trial has to beat.
     s_.anchor = s_.best;
     anchored_ = best_;
     s_.since = 0;
@@ -594,6 +640,8 @@ bool Descent::follow_up() {
   return false;
 }
 
+// While the area falls, or holes appear by themselves, rises are followed up to ten times J: the first designs of less
+// area are worse in any case.
 void Descent::step() {
   ++s_.iteration;
   const bool free = !settled() || appearing();  // rises are followed
@@ -607,6 +655,9 @@ void Descent::step() {
     take(t);
 }
 
+// What the next call does: a trial nucleation is closed when it has paid, after eight steps or at a tiny radius; the
+// end asks for the best design and then for a trial; four steps without a better design go back to the best with half
+// the radius.
 void Descent::decide() {
   constexpr int trial_steps = 8;
   const auto then = [&](Next next, std::string why) {
@@ -630,6 +681,7 @@ void Descent::decide() {
   }
 }
 
+// Out of iterations the best design comes back, and an open trial that has not paid is dropped.
 bool Descent::advance() {
   if (!s_.ended.empty()) return false;
   if (s_.iteration >= rules_.iterations) {

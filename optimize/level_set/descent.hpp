@@ -1,5 +1,5 @@
 #pragma once
-// One design on its way down: steps that predict, refused ones halved, holes nucleated on trial [theory: L.12].
+// One design on its way down: steps that predict, refused ones halved, holes nucleated on trial [theory: L.7, L.12].
 
 #include "optimize/level_set/ground.hpp"
 #include "optimize/level_set/hole_terms.hpp"

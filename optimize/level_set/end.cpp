@@ -1,3 +1,10 @@
+// What is said of a level set's design at the end, and whether its curves or the carved design are the result.
+// "Optimal" needs a small shape residual [theory: L.10, K.3], on the mesh of the curves and on a finer one, and no
+// small hole or bump that pays [theory: L.11, L.13]. Curves are better where they keep the constraints as the carved
+// design does and J with the price of area is no worse than meshes differ by; where bounds count, they keep room for
+// what a finer mesh says more. With a weak phase the strong phase is drawn alone and solved as a body; nothing is
+// proved of it. docs/theory/level_set.md, section "Optimality".
+
 #include "optimize/level_set/end.hpp"
 
 #include "optimize/level_set/certificate.hpp"
@@ -61,6 +68,8 @@ void weigh_residual(double finer, LoopEnd& end) {
                          end.obstacle});
 }
 
+// What speaks for and against "optimal": the residual of the curves, or of the carved design without a step, then small
+// holes and bumps.
 LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, OptimizeResult& result) {
   const DescentState& s = end.descent.progress();
   LoopEnd out{.row = last_taken(result.history), .kind = "shape residual"};
@@ -111,6 +120,8 @@ void take_strong_phase(const LevelSetEnd& end, bool go_on, OptimizeResult& resul
 
 }  // namespace
 
+// A design that violates nothing beats one that does, whatever J. With bounds 2 % of J are allowed to the curves,
+// without 0.08 %: what meshes of these sizes differ by.
 bool curves_are_better(const LevelSetEnd& end) {
   const FinishedCurves& c = end.curves;
   if (c.shape.outline.sides.empty() || !std::isfinite(c.J)) return false;
@@ -133,6 +144,7 @@ std::shared_ptr<const Evaluated> solve_again(const LevelSetEnd& end) {
   return std::make_shared<const Evaluated>(evaluate_design(p, end.g.r, end.curves.shape, end.curves.crack_of));
 }
 
+// The design on a finer mesh is solved for once more, unless the curves have been there.
 OptimizeResult result_of(const LevelSetEnd& end, bool go_on) {
   const DescentState& s = end.descent.progress();
   const Evaluated& design = end.last ? *end.last : end.descent.design();

@@ -1,3 +1,6 @@
+// A weak phase instead of void, for comparison: stiffness mixed by the share of each triangle in the material, in 16
+// steps, a region each (docs/theory/level_set.md, "Weak phase, for comparison").
+
 #include "optimize/ersatz.hpp"
 
 #include <cmath>

@@ -1,3 +1,9 @@
+// The last part of a level-set run: the carved design as arcs, moved to an optimum of first order (optimize/curves).
+// Bounds are tightened first by what a finer mesh says more of the fitted curves than their own, for stresses by half
+// as much again and 0.2 %, so that the result keeps its bounds where it is judged. Rows of the curves are kept in the
+// checkpoint bit for bit, and an interrupted run replays them instead of solving anew. Curves that cannot be fitted or
+// solved leave the carved design, with a note. docs/theory/curves.md has the curves themselves.
+
 #include "optimize/level_set/finishing.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -38,6 +44,7 @@ OptimizeRequest with_room(const Ground& g, const Problem& p, const Carved& carve
 
 }  // namespace
 
+// Numbers of a row, then its vectors with their lengths, in the order of read_curves; texts by line.
 void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
   std::vector<double> all;
   std::string texts;
@@ -57,6 +64,7 @@ void write_curves(Checkpoint& c, const std::vector<CurvesRow>& rows) {
   c.texts["curves"] = texts;
 }
 
+// Numbers are read by kind: counts and flags are refused where they are none.
 std::vector<CurvesRow> read_curves(const Checkpoint& c) {
   NumberReader in(numbers_of(c, "curves"));
   LineReader texts(text_of(c, "curves"));
@@ -77,10 +85,12 @@ std::vector<CurvesRow> read_curves(const Checkpoint& c) {
   return rows;
 }
 
+// Curves take iterations too: at least a few must be left.
 bool can_finish(const Ground& g, const Descent& d) {
   return !g.weak() && d.settled() && g.r.max_iterations - d.progress().iteration > least_evaluations;
 }
 
+// A solve of the history is one of all load cases, as elsewhere in it.
 Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int cases) {
   Iteration i{.number = number,
               .objective = row.J,
@@ -98,6 +108,7 @@ Iteration iteration_of(const CurvesRow& row, int number, int solves_before, int 
   return i;
 }
 
+// One evaluation is left for the curves on the mesh that the case asks for.
 FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& see,
                       const std::vector<CurvesRow>& known) {
   CurvesRequest how{.size = g.size,

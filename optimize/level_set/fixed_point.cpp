@@ -1,3 +1,6 @@
+// The topological derivative as a level set: psi turns on the unit sphere of L2 towards lambda - T by a share of the
+// angle between them, T carried into the void by a Helmholtz filter [Amstutz, Andrae 2006; theory: L.5].
+
 #include "optimize/level_set/fixed_point.hpp"
 
 #include <algorithm>
@@ -14,6 +17,7 @@ FixedPoint fixed_point(const BackgroundMesh& background, const Helmholtz& filter
     centroids.push_back(centroid(mesh, t));
     amount[t] = area(mesh, t) * T[t];
   }
+  // T times the area of its triangle is spread onto vertices as a load: the filter gives it values in the void, too.
   const Eigen::VectorXd gain = filter.solve(spread_onto(background, centroids, amount));
   const auto towards = [&](double multiplier) { return constrained(background, (multiplier - gain.array()).matrix()); };
   FixedPoint f;

@@ -1,3 +1,12 @@
+// What never changes while a level set moves (canvas, solid parts, prices, target), and designs drawn from a function
+// on the canvas. The canvas is meshed twice as finely as the body, so that a design's boundary is smoother than its
+// mesh. The smallest length of designs is that of the mesh, or down to half of it where the density stage tells finer
+// members apart. Strips of 1.5 edges along loads stay solid, and where stresses count reentrant corners of the frame
+// stay cut out, since a sharp corner has no finite stress. `draw` carves the zero line into a shape, meshes and solves
+// it. Carving drops what is too small and fills slits, so that phi is corrected to what was drawn, and shifted by
+// (drawn - wanted area)/(length of the zero line) until the drawn area is the one wanted to 1e-5 of the frame.
+// docs/theory/level_set.md.
+
 #include "optimize/level_set/ground.hpp"
 
 #include "geometry/plane.hpp"
@@ -21,6 +30,7 @@ constexpr double fine = 0.5;         // the canvas against the mesh of the body
 constexpr double strip = 1.5;        // of canvas edges beside loads that stay solid
 constexpr double area_error = 1e-5;  // of the shape drawn, of the frame's area
 
+// Pieces and holes smaller than an edge of the canvas squared are dropped; what touches loads and supports is kept.
 Carving carving(const Ground& g, double coarse) {
   const double edge = (g.weak() ? 1 : fine) * g.size;
   Carving how{.spacing = coarse * g.size, .least_area = edge * edge, .keep = g.loaded, .holding = g.holding};
@@ -46,6 +56,7 @@ bool bounds_stress(const Ground& g) {
 }
 
 /// Corners of more than pi inside the body, between sides that bear nothing.
+/// The outline runs counter-clockwise around the body, holes too: inside is -1 for them.
 std::vector<Vec2> reentrant_corners(const Ground& g) {
   std::vector<Vec2> corners;
   const auto free = [&](Index label) {
@@ -93,6 +104,7 @@ double length_of_designs(const Shape& frame, double mesh_size) {
 
 }  // namespace
 
+// The fixed point and the weak phase have no finer designs than the mesh: their boundary is not moved along normals.
 Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   Ground g{.p = p, .r = r};
   const LevelSetRequest& how = r.level_set;
@@ -135,11 +147,13 @@ Problem fitted(const Ground& g, double coarse) {
   return p;
 }
 
+// Ends with the function that was drawn, so that the next step starts from what was solved.
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse) {
   if (g.weak()) return {phi, {}, std::make_shared<const Evaluated>(evaluate_ersatz(g.p, g.r, g.background, phi))};
   const Carving how = carving(g, coarse);
   Carved carved = carve(g.p.frame, g.background.mesh, phi, how);
   settle(g.background, carved.inside, phi);
+  // Newton's method on a length that carving changes: eight steps, each at most half an edge.
   constexpr int most = 8;
   for (int i = 0; wanted && i < most && std::abs(carved.area - *wanted) > area_error * g.whole; ++i) {
     const double length = length_of(zero_line(g.background.mesh, phi)), reach = 0.5 * g.background.size;

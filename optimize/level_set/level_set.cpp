@@ -1,3 +1,10 @@
+// A level-set run from the start to the result: the best of some starts (starts.cpp), the descent (descent.cpp), its
+// design as curves (finishing.cpp), the curves on the mesh that kerf solve would make, and what is said of it
+// (end.cpp). After every iteration the state of the descent and the rows of the curves go to the checkpoint. A run that
+// resumes draws and solves the design of its last row again and refuses a checkpoint whose numbers differ by more than
+// 1e-6, which is what another machine may change. Curves are replayed from their rows. docs/theory/level_set.md and
+// docs/theory/curves.md.
+
 #include "base/kept_memory.hpp"
 #include "optimize/checkpoint_reader.hpp"
 #include "optimize/level_set/descent.hpp"
@@ -16,6 +23,7 @@ namespace kerf {
 
 namespace {
 
+// Rows of the history are those of the descent, then one per evaluation of the curves, then the result.
 class LevelSetRun {
  public:
   LevelSetRun(const Problem& p, const OptimizeRequest& r, const Observer& see, const CheckpointPlace& place)
@@ -45,6 +53,7 @@ DescentRules rules_of(const Ground& g) {
   return {.iterations = g.r.max_iterations};
 }
 
+// Solves of the ranking count in the history from its first row on.
 void LevelSetRun::begin() {
   const LevelSetStart start = best_start(ground_);
   DescentRules rules = rules_of(ground_);
@@ -65,6 +74,7 @@ bool LevelSetRun::show_new() {
 }
 
 /// Whether to go on after them.
+/// Rows known from a checkpoint come through `see` as well, and are not kept twice.
 bool LevelSetRun::make_curves(FinishedCurves& finished) {
   const std::vector<CurvesRow> known = curves_;
   const DescentState& s = descent_->progress();
@@ -128,6 +138,7 @@ void LevelSetRun::show_last(LevelSetEnd& end, bool go_on) const {
   std::string why = "its curves are no better";
   if (curves_are_better(end)) try {
       end.last = solve_again(end);
+      // Asked again with J of the mesh that the case asks for.
       if (!curves_are_better(end)) throw Error(Fault::Numerics, why);
       const SolvedCase& c = end.last->cases.front();
       Iteration row = end.finishing.back();
@@ -172,6 +183,8 @@ bool LevelSetRun::is_as_told(const Evaluated& e, const Iteration& row) const {
                             [&](double told, double here) { return near(told, here, std::abs(here)); });
 }
 
+// Nothing of a checkpoint is believed: its fingerprint, the ranges of its numbers, and the design drawn and solved
+// again are compared.
 bool LevelSetRun::restore() {
   if (!place_.resume || place_.path.empty()) return false;
   const std::optional<Checkpoint> c = read_checkpoint(place_.path);

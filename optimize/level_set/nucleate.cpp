@@ -1,3 +1,11 @@
+// Where holes lower J + lambda |Omega|, how large they are cut, and what was drawn of them [theory: L.6, L.14].
+// Triangles in the order of T, the least first, as long as T is below the price and area is left: at each a disc of the
+// radius r^2 = (lambda - T)/(2 c2) that gains most, but at most a third of the room to the boundary, to what is frozen
+// and to the other discs. Fifty places that do not pay end the search. Where the design has a mirror a disc and its
+// image come together, or one disc on the axis where both would meet. What a design has of a disc afterwards is neither
+// its radius nor its place: `drawn_holes` tells the hole around its center, unless it has grown into a larger one.
+// docs/theory/level_set.md, section "Nucleation".
+
 #include "optimize/level_set/nucleate.hpp"
 
 #include "geometry/plane.hpp"
@@ -38,6 +46,7 @@ class Places {
     }
     if (most < how_.least) return 0;
     if (std::ranges::any_of(refused_, [&](const Vec2& y) { return (x - y).norm() < how_.least; })) return 0;
+    // Where only the mesh hides c2 no radius is chosen: T alone would take all the room.
     const HoleTerms terms = body_.terms(x);
     const double radius = best_radius(terms, how_.multiplier, most);
     if (radius < how_.least || (how_.resolved && !terms.resolved)) {
@@ -59,6 +68,8 @@ class Places {
 
  private:
   /// A third of the room to the boundary, supports and loads included, to what is frozen and to other discs.
+  /// The distances on the canvas settle most points; edges of the mesh are asked for the rest, supports and loads
+  /// included.
   double largest(const Vec2& x) const {
     double room = -value_at(background_, distance_, x);
     if (background_.frozen.size() > 0) room = std::min(room, value_at(background_, background_.frozen, x));
@@ -101,6 +112,7 @@ struct DrawnLoop {
   Vec2 centroid = Vec2::Zero();
 };
 
+// Area and centroid by Green's formula about a point of the loop, whichever way it runs.
 DrawnLoop drawn(const Loop& loop) {
   const double size = extent({.outline = loop});
   DrawnLoop d{.points = flatten(loop, 1e-3 * size, size).points};
@@ -117,6 +129,8 @@ DrawnLoop drawn(const Loop& loop) {
 
 }  // namespace
 
+// A hole is one of its own where the drawn loop around the disc's center is round: no corner beyond 1.5 radii of its
+// area.
 std::vector<NucleatedHole> drawn_holes(std::span<const Disc> discs, const Shape& shape) {
   constexpr double round = 1.5;  // radii of the same area to the farthest corner: a square has 1.25
   std::vector<DrawnLoop> loops;

@@ -1,3 +1,6 @@
+// Connected parts of the material of a level set, by a walk over neighboring vertices; parts that bear nothing become
+// void.
+
 #include "optimize/level_set/parts.hpp"
 
 #include <algorithm>
@@ -9,6 +12,7 @@ std::span<const Index> neighbors(const BackgroundMesh& b, Index v) {
   return {b.around.data() + b.start[k], static_cast<std::size_t>(b.start[k + 1] - b.start[k])};
 }
 
+// Flood fill over neighbors of the same kind; without kinds all material is alike.
 MaterialParts material_parts(const BackgroundMesh& b, const Eigen::VectorXd& phi, std::span<const char> kind) {
   const std::size_t n = b.mesh.points.size();
   MaterialParts parts{std::vector<Index>(n, none), {}};
@@ -47,10 +51,12 @@ void empty_parts(const BackgroundMesh& b, const MaterialParts& parts, const std:
   for (std::size_t v = 0; v < parts.of.size(); ++v)
     if (parts.of[v] != none && gone[static_cast<std::size_t>(parts.of[v])]) {
       double& value = phi[static_cast<Eigen::Index>(v)];
+      // At least a tenth of an edge away from the zero line.
       value = std::max(-value, 0.1 * b.size);
     }
 }
 
+// Without loads the largest part stays; with them all parts that touch a loaded side.
 void drop_islands(const BackgroundMesh& b, std::span<const Index> labels, Eigen::VectorXd& phi) {
   const MaterialParts parts = material_parts(b, phi, {});
   if (parts.first.size() < 2) return;

@@ -1,3 +1,9 @@
+// The state of a descent in a checkpoint, bit for bit: vectors by name, scalars as one vector in a fixed order, texts
+// by line. `check_state` refuses a state that no descent of this canvas keeps (sizes of the functions and bounds,
+// ranges of radius, turn, weights and faith, rows in order, a next step that has what it needs), so that a damaged file
+// ends as such and not in a wrong design. A new member of DescentState is added to `scalars` or `vectors` here, and to
+// check_state.
+
 #include "optimize/level_set/progress.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -21,6 +27,7 @@ constexpr double least_faith = 0.1;
 constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> designs{
     {{"best", &DescentState::best}, {"anchor", &DescentState::anchor}}};
 
+// The order is that of the file.
 template <typename State>
 auto scalars(State& s) {
   return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled, s.next,
@@ -84,6 +91,7 @@ void write_holes(Checkpoint& c, const std::vector<NucleatedHole>& holes) {
   c.numbers["nucleated"] = Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
+// Places are finite; T, c2 and what was made may be unknown.
 std::vector<NucleatedHole> read_holes(const Checkpoint& c) {
   NumberReader in(numbers_of(c, "nucleated"));
   LineReader notes(in.empty() && !c.texts.contains("nucleated") ? "" : std::string_view(text_of(c, "nucleated")));
@@ -100,6 +108,7 @@ std::vector<NucleatedHole> read_holes(const Checkpoint& c) {
 
 }  // namespace
 
+// Designs as functions, bounds and scalars; what they look like is drawn and solved again.
 Checkpoint packed(const DescentState& s) {
   Checkpoint c;
   for (const auto& [name, member] : vectors) c.numbers[name] = s.*member;
@@ -141,6 +150,7 @@ DescentState unpacked(const Checkpoint& c) {
   return s;
 }
 
+// Every number that the next step divides by, indexes with or takes a root of is looked at.
 void check_state(const DescentState& s, const StateSizes& of) {
   const auto kept = [&](const KeptDesign& d) {
     const bool none = d.phi.size() == 0;

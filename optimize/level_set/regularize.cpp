@@ -1,3 +1,12 @@
+// Products in which derivatives become velocities [Burger 2003; Schulz, Siebenborn 2016; theory: L.4]:
+//   int v phi + r^2 v' phi' ds = int v0 phi ds                  along the boundary, linear elements per edge
+//   (v, phi) + r^2 (grad v, grad phi)                           on the canvas
+//   (v, phi) + r^2 (eps(v), eps(phi))                           of vector fields on the canvas
+// Each matrix is sparse, symmetric and positive definite, and factorized once (that of the boundary per step). The
+// elastic product extends a normal speed v as a field loaded by v n along the boundary; its component along the
+// gradient of the distance moves phi, scaled so that it is as fast as v where v is largest. docs/theory/level_set.md,
+// section "Smoothing".
+
 #include "optimize/level_set/regularize.hpp"
 
 #include <Eigen/SparseCholesky>
@@ -27,6 +36,7 @@ struct Helmholtz::Impl {
   Eigen::SimplicialLDLT<Sparse> factor;
 };
 
+// Mass of linear elements: area/6 on the diagonal, area/12 beside it.
 Helmholtz::Helmholtz(const BackgroundMesh& background, double r) : impl_(std::make_unique<Impl>()) {
   const Mesh& mesh = background.mesh;
   std::vector<Eigen::Triplet<double>> entries;
@@ -59,6 +69,7 @@ Eigen::VectorXd smooth_along(const EdgeCurve& curve, const Eigen::VectorXd& leng
   for (std::size_t e = 0; e < curve.edges.size(); ++e) {
     const auto& [i, k] = curve.edges[e];
     const double h = length[static_cast<Eigen::Index>(e)], half = 0.5 * h * value[static_cast<Eigen::Index>(e)];
+    // Mass h/3, h/6 and stiffness r^2/h of a linear element; the load is lumped to both ends.
     const double stiff = r * r / h;
     entries.emplace_back(i, i, stiff + h / 3);
     entries.emplace_back(k, k, stiff + h / 3);
@@ -77,6 +88,7 @@ struct ElasticProduct::Impl {
   Eigen::SimplicialLDLT<Sparse> factor;
 };
 
+// Unknowns are 2 vertex + component.
 ElasticProduct::ElasticProduct(const BackgroundMesh& background, double r) : impl_(std::make_unique<Impl>()) {
   const Mesh& mesh = background.mesh;
   std::vector<Eigen::Triplet<double>> entries;
@@ -103,6 +115,7 @@ ElasticProduct::ElasticProduct(const BackgroundMesh& background, double r) : imp
 ElasticProduct::~ElasticProduct() = default;
 ElasticProduct::ElasticProduct(ElasticProduct&&) noexcept = default;
 
+// The normal away from the boundary is the gradient of the distance, averaged at vertices by area and normed.
 Eigen::VectorXd ElasticProduct::extend(const BackgroundMesh& background, const EdgeCurve& curve,
                                        const Eigen::VectorXd& speed, const Eigen::VectorXd& distance) const {
   const Eigen::Index n = distance.size();

@@ -1,3 +1,6 @@
+// What of a design stays solid: frozen loops, other materials, strips along loads and measurements, rings of
+// functionals.
+
 #include "optimize/level_set/solid.hpp"
 
 #include "optimize/loop/evaluate.hpp"
@@ -8,9 +11,11 @@
 
 namespace kerf {
 
+// Loads get strips that stay solid, supports none: `held` tells which they are.
 Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
   // Masks that end on the outline hold its vertices, too; what is of another material may not be touched.
   Solid solid{.width = width};
+  // Frozen loops get a third of the strip, so that the vertices of the canvas next to them count as inside.
   for (const Loop& loop : r.level_set.frozen) solid.loops.emplace_back(loop, width / 3);
   for (const Loop& loop : p.frame.regions) solid.loops.emplace_back(loop, width);
   const auto stays = [&solid](Index label) {

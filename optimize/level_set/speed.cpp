@@ -1,3 +1,14 @@
+// From the rate of J along the boundary to its speed, and the prices that keep the constraints [theory: L.1, L.2, L.3,
+// L.12]. With gamma = -(g + sum mu_k g_k), what the objective falls per area that grows, w half the thickness of the
+// member, lambda the price of area:
+//   v = 1.1 s w (gamma - lambda)/(|gamma| + |lambda| + 0.1 rms gamma),   |v| <= R.
+// In a member that a given force stretches gamma ~ 1/w^2, so that this goes to the fully stressed design. The part of w
+// beyond the smoothing length uses gamma without short waves, which change the stress there more than the thickness
+// does. A change of J is predicted as the reciprocal of a thickness where gamma > 0 [theory: L.12]. The least mu_k in
+// turns, each with the least lambda for it, with which area and bounds keep to their limits are found by bisection. The
+// residual of the shape is the smoothed (gamma - lambda)/lambda over what can move [theory: L.10]. Derived in
+// docs/theory/level_set.md, sections "Speed of the boundary" and "Optimality".
+
 #include "optimize/level_set/speed.hpp"
 
 #include "kerf/shape_gradient.hpp"
@@ -10,6 +21,8 @@ namespace kerf {
 namespace {
 
 /// Half the thickness of the member that an edge bounds, along its normal: the distance falls again behind the middle.
+/// Depths are doubled until the distance to the boundary falls short of the depth: (inside + depth)/2 is then half of
+/// the way through the member.
 double half_thickness(const BackgroundMesh& background, const Eigen::VectorXd& distance, const Vec2& x,
                       const Vec2& normal, double most) {
   for (double depth = 0.5 * background.size;; depth *= 2) {
@@ -22,6 +35,7 @@ double half_thickness(const BackgroundMesh& background, const Eigen::VectorXd& d
 
 }  // namespace
 
+// The rate is over edges without supports and tractions, of any load case.
 BoundaryRate boundary_rate(const Evaluated& e, std::span<const WeightedAnalysis> analyses) {
   const Model& m = e.cases.front().model;
   const Index edges = static_cast<Index>(m.mesh.edges.size());
@@ -64,6 +78,7 @@ BoundaryRate boundary_rate(const Evaluated& e, std::span<const WeightedAnalysis>
     density.push_back(rate[static_cast<std::size_t>(edge)] / (b - a).norm());
   }
   const Eigen::Index n = static_cast<Eigen::Index>(density.size());
+  // Per edge the integral of the density over its length: two Gauss points become one value.
   r.density = Eigen::Map<const Eigen::VectorXd>(density.data(), n);
   r.length.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -103,6 +118,7 @@ struct Members {
   }
 };
 
+// Values per edge go to the points of the curve by the product of (L.4) and come back as means of both ends.
 Eigen::VectorXd without_short_waves(const BoundaryRate& rate, double r, const Eigen::VectorXd& values) {
   const Eigen::VectorXd at = smooth_along(rate.curve, rate.length, r, values);
   Eigen::VectorXd calm(values.size());
@@ -113,6 +129,7 @@ Eigen::VectorXd without_short_waves(const BoundaryRate& rate, double r, const Ei
   return calm;
 }
 
+// half is looked for up to what matters: four smoothing lengths, or the smallest feature.
 Members members_of(const MovingDesign& of, const StepLimits& limits) {
   const BoundaryRate& rate = of.objective;
   const Eigen::Index n = rate.density.size();
@@ -162,6 +179,7 @@ double change_of(Eigen::Index k, const Eigen::VectorXd& v, const Members& m) {
   const Eigen::VectorXd& length = m.of.objective.length;
   double change = 0;
   for (Eigen::Index i = 0; i < v.size(); ++i) {
+    // 0.3 keeps the reciprocal finite for steps through a member.
     const double g = m.gain(i, k), thicker = std::max(1 + v[i] / m.half[i], 0.3);
     change -= length[i] * v[i] * (g > 0 ? g / thicker : g);
   }
@@ -173,6 +191,7 @@ template <typename Fits>
 double least_that(double low, double first, double most, const Fits& fits) {
   if (fits(low)) return low;
   double high = std::max(first, 1e-300);
+  // Powers of four bracket the value, forty halvings settle it.
   while (high < most && !fits(low + high)) high *= 4;
   if (high >= most) return low + most;
   double below = high / 4 <= first ? 0 : high / 4;
@@ -218,6 +237,7 @@ Eigen::VectorXd multipliers_of(const Members& m) {
 }
 
 /// Root mean square along what can move of (gain - price)/price without its short waves [theory: L.10].
+/// int of the square of a linear function with the ends a, b over an edge: length (a^2 + a b + b^2)/3.
 double shape_residual(const Eigen::VectorXd& gain, double price, const Members& m) {
   const BoundaryRate& rate = m.of.objective;
   // Without a price nothing but a vanishing gain is optimal.
@@ -250,6 +270,7 @@ double shape_residual(const MovingDesign& of, const StepLimits& limits) {
   return shape_residual(m.total(m.gain, multiplier), price_at(multiplier, m), m);
 }
 
+// Predictions are of the smoothed speed, which is what the boundary does.
 BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, const ElasticProduct* elastic) {
   const BoundaryRate& rate = of.objective;
   BoundaryStep s{.price = limits.price, .multiplier = std::vector<double>(of.bounded.size(), 0), .bounded = {}};
@@ -261,6 +282,8 @@ BoundaryStep constrained_step(const MovingDesign& of, const StepLimits& limits, 
   s.price = price_at(multiplier, m);
   s.multiplier.assign(multiplier.begin(), multiplier.end());
   s.residual = shape_residual(m.total(m.gain, multiplier), s.price, m);
+  // The speed is smoothed once more as a gradient in the product of the boundary; what must not move is set to 0
+  // afterwards.
   const Eigen::VectorXd moved =
       smooth_along(rate.curve, rate.length, limits.smoothing, speed_at(s.price, multiplier, m));
   Eigen::VectorXd v(rate.density.size());

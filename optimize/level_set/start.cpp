@@ -1,9 +1,12 @@
+// Discs of a start: columns of rows, every second one shifted by half a row, and random ones from the bits of mt19937.
+
 #include "optimize/level_set/start.hpp"
 
 #include <random>
 
 namespace kerf {
 
+// In columns that begin on a half row the first and last discs lie within the box, in the others on its border.
 std::vector<Disc> start_discs(const StartHoles& start, const Vec2& low, const Vec2& high) {
   std::vector<Disc> discs;
   const Vec2 size = high - low;

@@ -1,3 +1,10 @@
+// What a level set begins with: the best of coarse densities and of the start that the case gives. Each candidate
+// descends a few steps (60 from a full body, in which holes have to appear first) on a mesh 1.5 times as coarse,
+// without trials; the one that can be drawn, keeps its bounds and has the least merit is gone on from. A density
+// becomes phi = 0.5 - rho on the canvas, shifted to its own area or, where that is about the one wanted, to that.
+// Candidates are ranked in parallel, and chosen in their order: the result does not depend on the number of threads.
+// docs/theory/density.md, section "Black and white".
+
 #include "optimize/level_set/starts.hpp"
 
 #include "base/parallel.hpp"
@@ -17,6 +24,7 @@ namespace kerf {
 namespace {
 
 /// Signed distance to a body inside the frame.
+/// By all distances: it is made once per run.
 Eigen::VectorXd distance_to(const Ground& g, const Shape& body) {
   std::vector<Polygon> loops;
   const auto add = [&](const Loop& loop) {
@@ -41,6 +49,7 @@ Eigen::VectorXd distance_to(const Ground& g, const Shape& body) {
 
 }  // namespace
 
+// A full body has no zero line: its value is far below 0.
 LevelSetStart given_start(const Ground& g) {
   const BackgroundMesh& b = g.background;
   if (g.r.level_set.start_design) return {"the design given", distance_to(g, *g.r.level_set.start_design), 0, false};
@@ -77,6 +86,7 @@ struct Ranked {
   double merit = infinity;
   int solves = 0;
 };
+// What cannot be drawn or solved comes last.
 Ranked rank(const Ground& g, const LevelSetStart& start) {
   Ranked ranked;
   try {
@@ -98,6 +108,7 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
 
 }  // namespace
 
+// Solves of all candidates count as those of the one that is chosen.
 LevelSetStart best_start(const Ground& g) {
   const bool design = g.r.level_set.start_design.has_value(), given = g.r.level_set.start || design;
   // A design is begun with, unless others are asked for beside it.

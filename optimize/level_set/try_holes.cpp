@@ -1,3 +1,6 @@
+// What nucleated holes do to J, each made alone in the design before by condensation onto a ball, against what T and c2
+// promise [theory: L.14, V.2].
+
 #include "optimize/level_set/try_holes.hpp"
 
 #include "topo/changes.hpp"
@@ -43,6 +46,7 @@ int make(const HolesTried& in, std::span<NucleatedHole*> holes) {
 
 }  // namespace
 
+// Holes that grew into others have no radius and are not made.
 int try_holes(const HolesTried& in, HoleExpansion& expansion, std::vector<NucleatedHole>& holes) {
   std::vector<NucleatedHole*> own;
   for (NucleatedHole& h : holes) {
@@ -57,6 +61,7 @@ int try_holes(const HolesTried& in, HoleExpansion& expansion, std::vector<Nuclea
   return own.empty() ? 0 : make(in, own);
 }
 
+// Sums are over holes that could be made alone, predicted and actual.
 std::string in_words(std::span<const NucleatedHole> holes) {
   const auto count = [](std::size_t n) { return fmt::format("{} hole{}", n, n == 1 ? "" : "s"); };
   double predicted = 0, actual = 0;

@@ -17,7 +17,7 @@ struct HolesTried {
 /// cannot be had the note says why. Returns how often the states were solved.
 int try_holes(const HolesTried& in, HoleExpansion& expansion, std::vector<NucleatedHole>& holes);
 
-/// For the history: "2 holes nucleated: they change J by 0.0125 alone, predicted 0.0123".
+/// For the history: "2 holes nucleated: J by 0.0125, predicted 0.0123".
 std::string in_words(std::span<const NucleatedHole> holes);
 
 }  // namespace kerf

@@ -1,3 +1,10 @@
+// Checkpoints as files: named vectors of doubles and texts, with a fingerprint of the case, the length of the body and
+// a checksum. A file is replaced by writing another one beside it, flushing and renaming, so that after a kill at any
+// moment it is the old or the new one. Reading refuses what is cut off, longer than it says, of another format, or has
+// a wrong checksum (FNV-1a, whose every step is a bijection: no change of a single byte goes unseen), with the reason
+// and the advice to start anew. What the numbers mean is checked by whoever reads them (checkpoint_reader.hpp).
+// docs/security.md has what files from strangers may do.
+
 #include "optimize/checkpoint.hpp"
 
 #include "kerf/types.hpp"
@@ -34,6 +41,7 @@ void append_text(std::string& out, std::string_view text) {
   out.append(text);
 }
 
+// Maps are in the order of their names, so that the same checkpoint has the same bytes.
 std::string encode(const Checkpoint& checkpoint) {
   std::string body;
   append_text(body, checkpoint.fingerprint);
@@ -88,8 +96,10 @@ struct Decoder {
   }
 };
 
+// The length is compared before the checksum: a file that is cut off is told apart from a damaged one.
 Checkpoint decode(std::string_view file, const std::filesystem::path& path) {
   Decoder in{file, path};
+  // A file shorter than the magic is judged by what there is of it.
   if (file.substr(0, magic.size()) != magic.substr(0, file.size())) in.refuse("is no checkpoint of kerf");
   if (file.size() < head + tail) in.refuse(fmt::format("is cut off after {} bytes", file.size()));
   in.take(magic.size());
@@ -148,6 +158,7 @@ class Handle {
 
 }  // namespace
 
+// FNV-1a of 64 bits.
 std::uint64_t checksum(std::string_view bytes) {
   std::uint64_t sum = 14695981039346656037u;
   for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211u;
@@ -164,10 +175,12 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 void keep(const CheckpointPlace& place, Checkpoint checkpoint) {
   checkpoint.fingerprint = place.fingerprint;
+  // Where somebody else writes, the checkpoint goes along by value: the run goes on meanwhile.
   if (!place.write) return write_checkpoint(place.path, checkpoint);
   place.write([path = place.path, checkpoint = std::move(checkpoint)] { write_checkpoint(path, checkpoint); });
 }
 
+// No file is no error: there is nothing to resume.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
   const auto refuse = [&](const std::string& reason) {
     return Error(Fault::Files, fmt::format("cannot read the checkpoint '{}': {}", path.string(), reason));

@@ -38,6 +38,7 @@ double NumberReader::finite() {
   return x;
 }
 
+// A whole number within bounds; NaN is none.
 int NumberReader::count(int most, int least) {
   const double x = any();
   if (!(x >= least && x <= most && x == std::floor(x))) throw broken_checkpoint();
@@ -77,6 +78,7 @@ void append_line(std::string& lines, std::string_view line) {
   lines += '\n';
 }
 
+// A backslash keeps the next character; before n it is a line's end.
 std::string LineReader::line() {
   const std::size_t end = left_.find('\n');
   if (end == std::string_view::npos) throw broken_checkpoint();

@@ -1,3 +1,9 @@
+// One design solved: shape -> mesh -> states of all load cases -> J = sum of weight J_k, and of each bound the worst
+// load case. Load cases differ in their loads alone and share the factor of the first. Terms and laws of cracks follow
+// the parts that carving leaves of each crack: a crack cut in two counts twice, one cut away not at all. Analyses
+// (adjoints) are made when asked for, per load case for the objective and for the worst one of a bound. A model that
+// nobody needs lends its ordering and memory to the next mesh of the same topology.
+
 #include "optimize/loop/evaluate.hpp"
 
 #include "base/stopwatch.hpp"
@@ -9,6 +15,7 @@
 
 namespace kerf {
 
+// Loads of a case come on top of what the problem itself bears.
 std::vector<Scene> scenes_of(const Problem& p, const OptimizeRequest& r) {
   if (r.load_cases.empty()) return {p.scene};
   std::vector<Scene> scenes;
@@ -44,6 +51,7 @@ Scene with_cracks(Scene scene, const std::vector<Index>& crack_of) {
   return scene;
 }
 
+// J is summed over load cases with their weights, and with it the terms of volume.
 double price_of_volume(const Problem& p, const OptimizeRequest& r) {
   double price = 0, weights = r.load_cases.empty() ? 1 : 0;
   for (const Term& term : p.objective.terms)
@@ -93,6 +101,7 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
     for (std::size_t k = 0; k < e.bounded.size(); ++k) {
       const double value = analyze(e.bounded[k], c.model, c.state, true).value;
       e.by_case[k].push_back(value);
+      // A bound holds for the worst of the load cases.
       if (value > e.bounds[k]) {
         e.bounds[k] = value;
         e.worst[k] = static_cast<Index>(i);

@@ -1,3 +1,11 @@
+// The end of an optimization: the design on a mesh of half the size with an element of one degree more and curved
+// edges, the word for it (optimal, stalled, budget used, infeasible) and why. Bounds on release rates and squared
+// stresses are judged by the upper end of their interval there, where that is guaranteed, else by the larger of it and
+// the value (docs/theory/guarantees.md, "What is guaranteed of an optimised design"). "Optimal" needs the residual
+// asked for, no obstacle and a finer design that keeps its constraints to 1e-3. Where the finer mesh finds a bound
+// violated, `with_more_room` tells how much less the loop's own mesh may use, in proportion to what the two meshes say
+// of the design.
+
 #include "optimize/loop/finish.hpp"
 
 #include "geometry/curved.hpp"
@@ -16,6 +24,7 @@ namespace kerf {
 
 namespace {
 
+// A bound of 0 admits nothing.
 double relative(double value, double at_most) {
   return (value - at_most) / std::max(std::abs(at_most), 1e-300);
 }
@@ -150,6 +159,7 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
     try {
       return solved();
     } catch (const FoldedTriangle&) {
+      // Where a curved edge would fold a triangle all edges are straight.
       finer.sizing.curved = false;
       return solved();
     }
@@ -159,6 +169,7 @@ FinerDesign solve_finer(Problem p, const OptimizeRequest& r, const Shape& shape,
   }
 }
 
+// Carving may have cut cracks: laws and terms are those of the parts.
 FinerDesign solve_finer(Problem p, OptimizeRequest r, const Evaluated& e, double whole) {
   p.scene.laws = e.cases.front().model.scene.laws;
   p.objective = e.objective;
@@ -170,6 +181,7 @@ const Iteration& last_taken(std::span<const Iteration> rows) {
   return *std::find_if(rows.rbegin(), rows.rend(), [](const Iteration& i) { return i.accepted; });
 }
 
+// Infeasible before all else; optimal only with a finer design that could be solved; else why the loop ended.
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end) {
   const Iteration& row = end.row;
   const FinerDesign& finer = result.finer;

@@ -1,3 +1,5 @@
+// Rows of a history in a checkpoint: 13 numbers, then bounds and variables per row, notes by line.
+
 #include "optimize/loop/history_text.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -26,6 +28,7 @@ std::vector<std::string> split_lines(const std::string& text) {
   return lines;
 }
 
+// Counts stand before the numbers that they count; a note per row, in the same order.
 void write_rows(Checkpoint& c, const std::vector<Iteration>& rows) {
   std::vector<double> x;
   std::string notes;
@@ -43,6 +46,7 @@ void write_rows(Checkpoint& c, const std::vector<Iteration>& rows) {
   c.texts["notes"] = notes;
 }
 
+// Values that are no counts may be NaN: residuals that nobody asked for are.
 std::vector<Iteration> read_rows(const Checkpoint& c) {
   NumberReader in(numbers_of(c, "rows"));
   LineReader notes(text_of(c, "notes"));

@@ -1,3 +1,12 @@
+// Intervals of what a design is bound by, on the mesh by which it is judged, term by term:
+//   release rate of a crack:        G of the interval of K_I, K_II at its tip     [theory: B.11, B.12]
+//   integral of the squared stress: from the two-sided bounds of the energy       [theory: B.25, B.26]
+//   volume: known
+// and powers, factors and sums of them; under several load cases the larger one has max of the ends. Cracks that may
+// touch and are open everywhere have the interval of the open crack, not guaranteed. Where the design has arcs and the
+// mesh chords, the interval is that of the polygon and says so. Everything else has none, with the reason.
+// docs/theory/guarantees.md, "What is guaranteed of an optimised design".
+
 #include "optimize/loop/intervals.hpp"
 
 #include "geometry/curved.hpp"
@@ -26,6 +35,7 @@ bool is_bounded(const Bounded& b) {
 }
 
 /// The end of the crack by which it grows in the direction of the term; nothing where it is no such end.
+/// The end at the feature of the term by which the crack grows along its direction; an arc's tangent is not compared.
 std::optional<TipIntensity> tip_of(const Term& term, const Shape& shape) {
   const double near = same_place * extent(shape);
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
@@ -51,6 +61,7 @@ Bounded scaled(const Term& term, Bounded b) {
   return b;
 }
 
+// Ends of intervals add; the note is that of the first one that is not guaranteed.
 void add(Bounded& sum, const Bounded& b) {
   sum.value += b.value;
   sum.lower += b.lower;
@@ -68,6 +79,7 @@ class CaseIntervals {
   Bounded operator()(const Functional& j) try {
     Bounded sum{.guaranteed = true};
     for (const Term& term : j.terms) {
+      // One term without an interval leaves the sum without one.
       const Bounded b = term.release_along      ? release_rate(term)
                         : term.stress_power > 0 ? stress(term)
                         : term.volume           ? volume()
@@ -89,6 +101,7 @@ class CaseIntervals {
     return {.value = e_.area, .lower = e_.area, .upper = e_.area, .guaranteed = true};
   }
 
+  // The square of the von Mises stress is a quadratic form of the stress, whose bounds follow from energies.
   Bounded stress(const Term& term) const {
     if (term.stress_power != 2)
       return no_interval(
@@ -105,6 +118,7 @@ class CaseIntervals {
     const std::optional<TipIntensity> tip = tip_of(term, e_.shape);
     if (!tip) return no_interval("no bound: it is the release rate along no crack of the design");
     if (!faces_) {
+      // Contact that is open everywhere has the state of the open crack, which is linear.
       if (open_everywhere(c_.model, c_.state)) opened_.emplace(opened(c_.model, threads_));
       faces_.emplace(opened_ ? opened_->model : c_.model, opened_ ? opened_->state : c_.state);
     }
@@ -125,6 +139,7 @@ bool may_have_interval(const Functional& j) {
 }
 
 /// What the larger of two quantities lies in.
+/// max is monotone in both: the ends of the larger quantity are the larger ends.
 Bounded worst(const Bounded& a, const Bounded& b) {
   if (!is_bounded(a)) return a;
   if (!is_bounded(b)) return b;
@@ -134,6 +149,7 @@ Bounded worst(const Bounded& a, const Bounded& b) {
 
 }  // namespace
 
+// None where no bound can have one: the energies are not solved for.
 std::vector<Bounded> intervals_of(const Evaluated& e, int threads) {
   std::vector<Bounded> all(e.bounded.size(), no_interval({}));
   if (std::ranges::none_of(e.bounded, may_have_interval)) return all;

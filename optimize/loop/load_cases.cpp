@@ -1,3 +1,5 @@
+// Load cases in the order of their names: sums do not depend on the order of the tables in a case file.
+
 #include "optimize/load_cases.hpp"
 
 #include <algorithm>

@@ -1,3 +1,10 @@
+// What keeps designs of numbers meshable: least distances between drawn things, and from them to holes, cracks,
+// regions, the outline and forbidden discs, as constraints 1 - distance/least <= 0 with their derivatives. Circles are
+// exact. Other boundaries are sampled, and their distance is the soft minimum of (L.9), with derivatives by the
+// variables of both. Pairs whose boxes keep apart, or one inside the other, for all variables are left out, so that the
+// number of constraints stays small. A region keeps things on the side on which they start. What must hold of a shape
+// by itself is in its own file (shapes/). docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/constraints.hpp"
 
 #include "geometry/plane.hpp"
@@ -26,6 +33,7 @@ struct Thing {
   CoordinateBox box = {};                                  // of it for all variables
 };
 
+// A circle has two axes of the same length at a right angle.
 std::optional<DesignCurve> as_disc(const Loop& loop) {
   if (loop.sides.size() != 1 || !loop.sides[0].arc) return std::nullopt;
   const Arc& arc = *loop.sides[0].arc;
@@ -57,6 +65,7 @@ Thing fixed_loop(std::string name, const Loop& loop, double chord, double longes
   return fixed(std::move(name), fixed_polyline(flatten(loop, chord, longest).points, true));
 }
 
+// An arc as chords no longer than `longest`, 16 at least.
 DesignCurve path_of(const Crack& crack, double longest) {
   std::vector<Vec2> points = crack.points;
   if (crack.arc) {
@@ -75,12 +84,14 @@ Thing drawn_thing(const Drawn& d, Index number) {
           .box = shape.box(d)};
 }
 
+// A sufficient test only: the gap along one of the axes.
 bool always_apart(const Thing& a, const Thing& b, double least) {
   const Vec2 gap = (b.box.low - a.box.high).cwiseMax(a.box.low - b.box.high);
   return gap.maxCoeff() > least;
 }
 
 /// Whether a box lies farther than `least` inside a closed polygon or disc.
+/// Corners inside and no side of the polygon within `least` of the box, or across it.
 bool always_inside(const Thing& a, const DesignCurve& b, double least) {
   const std::array<Vec2, 4> corners = {a.box.low, Vec2(a.box.high.x(), a.box.low.y()), a.box.high,
                                        Vec2(a.box.low.x(), a.box.high.y())};
@@ -104,6 +115,7 @@ bool always_inside(const Thing& a, const DesignCurve& b, double least) {
   return true;
 }
 
+// c = 1 - d/least with dc = -dd/least, by the variables of both.
 Constraint apart(const Thing& a, const Thing& b, double least, const std::string& what, const Design& d) {
   const std::vector<Eigen::Index> first = first_variables(d);
   const auto begin = [&](const Thing& t) { return t.drawn == none ? 0 : first[static_cast<std::size_t>(t.drawn)]; };
@@ -111,6 +123,7 @@ Constraint apart(const Thing& a, const Thing& b, double least, const std::string
     return t.drawn == none ? 0 : d.drawn[static_cast<std::size_t>(t.drawn)].lower.size();
   };
   const Eigen::Index from_a = begin(a), from_b = begin(b), na = count(a), nb = count(b);
+  // Soft minima are 1/40 of the distance wide [theory: L.9].
   const Apart how{.container = b.container, .width = least / sharpness, .by_a = na, .by_b = nb};
   return {what, [=](const VectorXd& x, VectorXd* gradient) {
             const VectorXd va = x.segment(from_a, na);
@@ -121,6 +134,7 @@ Constraint apart(const Thing& a, const Thing& b, double least, const std::string
               gradient->segment(from_a, na) -= r.by_a / least;
               gradient->segment(from_b, nb) -= r.by_b / least;
             }
+            // No distance, as of curves without points, is no violation.
             return std::isfinite(r.value) ? 1 - r.value / least : -1.0;
           }};
 }
@@ -129,6 +143,7 @@ Constraint apart(const Thing& a, const Thing& b, double least, const std::string
 
 std::vector<Constraint> constraints(const Design& d, const Problem& p, double least,
                                     const std::vector<Forbidden>& forbidden) {
+  // Fixed arcs become chords that are a twentieth of the least distance off at most.
   const double longest = std::max(least, extent(p.frame) / 200), chord = least / 20;
   std::vector<Thing> others;
   others.push_back(fixed_loop("the outline", p.frame.outline, chord, extent(p.frame)));
@@ -148,6 +163,7 @@ std::vector<Constraint> constraints(const Design& d, const Problem& p, double le
   for (std::size_t k = 0; k < d.drawn.size(); ++k) things.push_back(drawn_thing(d.drawn[k], static_cast<Index>(k)));
   for (std::size_t k = 0; k < things.size(); ++k) {
     const Drawn& one = d.drawn[k];
+    // What is fixed is an obstacle to others and has no constraint of its own.
     if (one.lower == one.upper) continue;
     const std::string apart_by = fmt::format("less than {:.4g} apart", least);
     for (std::size_t i = 0; i < others.size(); ++i) {
@@ -155,6 +171,7 @@ std::vector<Constraint> constraints(const Design& d, const Problem& p, double le
       const DesignCurve curve = other.curve({});
       if (i >= first_region && i < first_region + p.frame.regions.size()) {
         const DesignCurve start = things[k].curve(one.start);
+        // Inside a region or outside of it, as it starts.
         const Vec2 x = start.disc ? start.center : start.points.front();
         other.container = curve.disc ? (x - curve.center).norm() < curve.radius : inside_polygon(curve.points, x);
       }

@@ -1,3 +1,9 @@
+// A design of numbers: its variables in order, their names and boxes, what is wrong with them, and the body that they
+// draw. The variables of drawn things stand one after the other in the order of the design; each kind of thing is a row
+// of the table in shapes/shape.hpp, which says how many it has, what they are called, and what they draw. Drawn holes,
+// cracks and regions come behind those of the frame, in the same order, which followers.cpp and evaluations.cpp count
+// on. Names are unique within their kind. docs/theory/level_set.md, section "Drawn designs".
+
 #include "kerf/design.hpp"
 
 #include "optimize/parametric/followers.hpp"
@@ -18,6 +24,7 @@ const char* word(BodyPart part) {
   return part == BodyPart::Crack ? "crack" : part == BodyPart::Region ? "region" : "hole";
 }
 
+// Lower bounds, upper ones or starts of all things, one after the other.
 VectorXd joined(const Design& d, VectorXd Drawn::*member) {
   VectorXd all(variable_count(d));
   Eigen::Index first = 0;
@@ -90,6 +97,7 @@ void check_design(const Design& d, const Problem& p) {
   }
 }
 
+// Each thing adds itself to the frame and its scene, in the order of the design.
 DrawnBody body_of(const Design& d, const VectorXd& x, const Problem& p) {
   DrawnBody body{p.frame, p.scene};
   const std::vector<VectorXd> part = parts(d, x);

@@ -1,3 +1,10 @@
+// Distances between boundaries that depend on variables, and their derivatives by these: disc to disc exactly, all
+// others as the soft minimum over points and pieces of polylines [theory: L.9],
+//   -w ln sum_i exp(-d_i/w),   never above the least d_i, smooth, with the weights exp(-d_i/w)/sum for the derivatives.
+// The derivative of the distance of a point to a piece is the unit vector n from its foot: n by the point, -(1 - t) n
+// and -t n by the ends of the piece, t the share of the foot. What lies inside a closed curve has a negative distance,
+// the shortest way out; with `container` what lies outside has. docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/distance.hpp"
 
 #include "geometry/plane.hpp"
@@ -16,6 +23,7 @@ Index pieces_of(const DesignCurve& c) {
 }
 
 /// Signed distances of the point x to all pieces of the polyline c; `sign` of what lies inside a closed one.
+/// A soft minimum of negative distances would be the longest way out: inside only the nearest piece counts.
 template <class Add>
 void to_pieces(const Vec2& x, const DesignCurve& c, bool container, const Add& add) {
   const bool in = c.closed && inside_polygon(c.points, x);
@@ -45,6 +53,7 @@ void to_pieces(const Vec2& x, const DesignCurve& c, bool container, const Add& a
 }
 
 /// Distances of the points of a to the pieces of b into `soft`, first and second argument swapped where asked.
+/// With d = |x - foot|: the foot is the share t of the way along its piece, so that its ends take 1 - t and t of -n.
 void points_to_pieces(const DesignCurve& a, const DesignCurve& b, bool container, bool swapped, SoftMinimum& soft) {
   for (std::size_t k = 0; k < a.points.size(); ++k)
     to_pieces(a.points[k], b, container, [&](Index i, const SegmentFoot& f, double sign) {
@@ -59,12 +68,15 @@ void points_to_pieces(const DesignCurve& a, const DesignCurve& b, bool container
     });
 }
 
+// Without columns the center is fixed.
 VectorXd product(const Matrix2Xd& by, const Vec2& direction, Eigen::Index size) {
   return by.cols() == 0 ? VectorXd(VectorXd::Zero(size)) : VectorXd(by.transpose() * direction);
 }
 
+// a - b| - r_a - r_b, or r_b - |a - b| - r_a inside of b.
 Distance disc_to_disc(const DesignCurve& a, const DesignCurve& b, const Apart& how) {
   const Vec2 away = a.center - b.center;
+  // Concentric discs have no direction: any one serves.
   const double d = away.norm(), sign = how.container ? -1 : 1;
   const Vec2 n = d > 0 ? Vec2(away / d) : Vec2::UnitX();
   Distance r{sign * (d - b.radius) - a.radius, product(a.by_center, sign * n, how.by_a),
@@ -95,6 +107,7 @@ Distance SoftMinimum::sum() const {
   if (entries_.empty()) return d;
   double total = 0;
   for (const Distance& e : entries_) {
+    // Relative to the least, so that nothing underflows.
     const double w = std::exp(-(e.value - least_) / width_);
     total += w;
     d.by_a += w * e.by_a;
@@ -114,6 +127,7 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
   const Eigen::Index na = how.by_a, nb = how.by_b;
   const bool container = how.container;
   if (a.disc && b.disc) return disc_to_disc(a, b, how);
+  // The center of a disc against pieces of a polyline, less the radius.
   SoftMinimum soft(how.width, na, nb);
   if (a.disc) {
     to_pieces(a.center, b, container, [&](Index i, const SegmentFoot& f, double sign) {
@@ -128,6 +142,7 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
     return soft.sum();
   }
   if (b.disc) {
+    // Outside of each other the distance is the same both ways.
     if (!container) {
       Distance r = distance_between(b, a, {.width = how.width, .by_a = nb, .by_b = na});
       std::swap(r.by_a, r.by_b);
@@ -146,10 +161,12 @@ Distance distance_between(const DesignCurve& a, const DesignCurve& b, const Apar
     return soft.sum();
   }
   points_to_pieces(a, b, container, false, soft);
+  // Both ways: a corner of b may be nearest to the middle of a piece of a.
   if (!container) points_to_pieces(b, a, false, true, soft);
   return soft.sum();
 }
 
+// A ray from x crosses the polygon an odd number of times.
 bool inside_polygon(const std::vector<Vec2>& polygon, const Vec2& x) {
   bool in = false;
   for (std::size_t i = 0, k = polygon.size() - 1; i < polygon.size(); k = i++)

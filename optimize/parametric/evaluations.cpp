@@ -1,3 +1,11 @@
+// A design of numbers evaluated: J, bounds per load case and their derivatives by the variables. A round begins with a
+// mesh of its first design. Vertices on drawn things are its followers: they keep their place on the thing and move
+// with the variables, the others by harmonic extension [theory: S.7], so that J is a smooth function with the exact
+// derivative (S.3), gathered onto the followers and pulled back to the variables; the stiffness of an inclusion has
+// (S.6). Other designs of the round move the mesh of the nearest one that was meshed; where that strains it, they get a
+// mesh of their own. Load cases share a factor. Meshes are built when needed, six are kept. Evaluations replayed from a
+// checkpoint build none. docs/theory/shape_gradient.md.
+
 #include "optimize/parametric/evaluations.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -41,6 +49,7 @@ struct Base {
   int used = 0;
 };
 
+// Given to the extension are all vertices with a meaning: followers among them move, the others stay.
 std::unique_ptr<Base::Built> build(const Design& d, const VectorXd& x, const Problem& p, const Shape& shape) {
   Mesh mesh = triangulate(shape, p.sizing);
   std::vector<Follower> f = followers(d, x, p, mesh);
@@ -64,6 +73,7 @@ std::optional<Mesh> moved(const Base::Built& base, const Design& d, const Vector
 
 }  // namespace
 
+// Rows of constraints: volume, bounds each under all load cases, geometry.
 struct Evaluations::Impl {
   const Problem& problem;
   const OptimizeRequest& request;
@@ -90,6 +100,7 @@ struct Evaluations::Impl {
     if (loads.empty()) loads.push_back({"", 1, {}, {}});
     const std::vector<Scene> scenes = scenes_of(p, r);
     for (std::size_t l = 0; l < loads.size(); ++l) {
+      // With what the scene itself bears in every case.
       loads[l].tractions = scenes[l].tractions;
       loads[l].body = scenes[l].body;
     }
@@ -110,6 +121,7 @@ struct Evaluations::Impl {
     return static_cast<Eigen::Index>(names.size());
   }
 
+  // In boxes: variables have different units.
   Base* nearest(const VectorXd& x) {
     Base* best = nullptr;
     double least = 0;
@@ -125,6 +137,7 @@ struct Evaluations::Impl {
     return best;
   }
 
+  // The least recently used one goes first; it can be built again from its design.
   Base::Built& built(Base& base) {
     if (!base.built) base.built = build(design, base.at, problem, body_of(design, base.at, problem).shape);
     base.used = ++clock;
@@ -153,6 +166,7 @@ struct Evaluations::Impl {
     const double holes = area_of_holes(design, x, &by);
     result.volume_fraction = (frame - holes) / frame;
     if (request.volume_at_most) {
+      // Relative: 1 is twice the volume allowed.
       e.values[1] = result.volume_fraction / *request.volume_at_most - 1;
       if (gradients) e.gradients.col(1) = -by / (frame * *request.volume_at_most);
     }
@@ -165,6 +179,7 @@ struct Evaluations::Impl {
     }
   }
 
+  // Empty where no constraint on the geometry is violated by more than half.
   std::string worst_constraint(const Evaluation& e) const {
     const auto many = static_cast<Eigen::Index>(geometric.size());
     Eigen::Index worst = 0;
@@ -177,11 +192,13 @@ struct Evaluations::Impl {
                   VectorXd* gradient) const {
     const Analysis a = analyze(j, model, state, gradient == nullptr);
     if (!gradient) return a.value;
+    // Forces on all vertices go to those that are given; of these the followers pull on variables.
     const Points force = gather(base.extension, shape_gradient(a, j));
     Points on(2, static_cast<Eigen::Index>(base.followers.size()));
     for (std::size_t k = 0; k < base.followers.size(); ++k)
       on.col(static_cast<Eigen::Index>(k)) = force.col(base.followers[k].vertex);
     *gradient = pull_back(design, base.followers, x, on);
+    // The stiffness of an inclusion moves no vertex: it has a derivative of its own [theory: S.6].
     auto region = static_cast<Index>(problem.frame.regions.size());
     const std::vector<Eigen::Index> first = first_variables(design);
     for (std::size_t k = 0; k < design.drawn.size(); ++k) {
@@ -243,9 +260,11 @@ struct Evaluations::Impl {
         const double bounded = value_of(request.bounds[b].functional, model, state, base, x, gradient);
         result.bounds[b] = std::max(result.bounds[b], bounded);
         const Eigen::Index k = row_of_bound(b, l);
+        // In rows of load cases: with the worst alone the constraint would have kinks.
         e.values[k] = bounded - at_most[b];
         if (gradients) e.gradients.col(k) = by;
       }
+      // Observers see the first load case.
       if (l == 0) last = std::make_shared<SolvedDesign>(SolvedDesign{body, std::move(model), std::move(state)});
       last_at = x;
     }
@@ -257,6 +276,7 @@ struct Evaluations::Impl {
       }
     result.objective = merit;
     const double holes = area_of_holes(design, x, &by);
+    // The weighted J, and the price of the body's area.
     e.values[0] = merit + request.volume_penalty * (frame - holes);
     if (gradients) e.gradients.col(0) = by_merit - request.volume_penalty * by;
   }
@@ -282,6 +302,7 @@ double Evaluations::frame_area() const {
   return impl_->frame;
 }
 
+// Bases of the round before stay for `solved`; earlier ones are gone.
 void Evaluations::begin_round() {
   ++impl_->round;
   impl_->before = std::move(impl_->bases);
@@ -292,6 +313,7 @@ void Evaluations::allow(const std::vector<double>& at_most) {
   impl_->at_most = at_most;
 }
 
+// By the bounds of the request, where those in force may be tighter.
 double Evaluations::violation_of_request(const DesignEvaluation& design) const {
   const Impl& s = *impl_;
   const VectorXd& values = design.evaluation.values;
@@ -308,8 +330,10 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   DesignEvaluation result;
   result.round = s.round;
   s.spare = std::exchange(s.last, nullptr);
+  // What needs no mesh is known even where meshing or solving fails.
   s.constrain(x, gradients, result);
   Evaluation& e = result.evaluation;
+  // What violates the geometry by more than half the distance is not meshed, but for a round's first design.
   if (const std::string close = s.worst_constraint(e); !close.empty() && !s.bases.empty()) {
     e.failure = close;
     return result;
@@ -330,6 +354,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
     s.solve_on(*mesh, s.built(s.bases[static_cast<std::size_t>(result.base)]), x, gradients, result);
   } catch (const Error& error) {
     if (!of_one_body(error)) throw;
+    // What cannot be meshed or solved is an answer to the minimizer; other errors end the run.
     e.failure = error.what();
     result.fault = error.fault;
     s.last.reset();
@@ -337,6 +362,7 @@ DesignEvaluation Evaluations::evaluate(const VectorXd& x, bool gradients) {
   return result;
 }
 
+// Makes no mesh but a round's first: difference quotients would have the jump from mesh to mesh in them.
 Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& reading, const Asked& asked) {
   Impl& s = *impl_;
   Response out;
@@ -366,6 +392,7 @@ Evaluations::Response Evaluations::respond(const VectorXd& x, const Reading& rea
   return out;
 }
 
+// Only that bases are numbered and bounds scaled as they were; nothing is meshed.
 bool Evaluations::replay(const DesignEvaluation& known) {
   Impl& s = *impl_;
   s.last.reset();
@@ -377,6 +404,7 @@ bool Evaluations::replay(const DesignEvaluation& known) {
          (!good || (known.base != none && known.bounds.size() == s.request.bounds.size()));
 }
 
+// Where it is not the last one solved it is moved and solved again, on the mesh that it had.
 std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& design) {
   Impl& s = *impl_;
   const VectorXd& x = design.evaluation.x;
@@ -391,6 +419,7 @@ std::shared_ptr<const SolvedDesign> Evaluations::solved(const DesignEvaluation& 
   return s.last;
 }
 
+// Both designs on the mesh of one base, moved: the difference has no jump of meshes in it.
 Evaluations::Check Evaluations::check_derivatives(const DesignEvaluation& at, const VectorXd& direction, double step) {
   Impl& s = *impl_;
   const VectorXd& x = at.evaluation.x;
@@ -417,6 +446,7 @@ Evaluations::Check Evaluations::check_derivatives(const DesignEvaluation& at, co
   for (Eigen::Index k = 0; k < many; ++k) {
     const VectorXd& g = at.evaluation.gradients.col(k);
     const double exact = g.dot(along), difference = (values[0][k] - values[1][k]) / (2 * step);
+    // Relative to the sum of the parts of the derivative, which may cancel along the direction.
     const double size = std::max(g.cwiseProduct(along).cwiseAbs().sum(), 1e-6 * std::abs(at.evaluation.values[k]));
     check.error.push_back(size > 0 ? std::abs(exact - difference) / size : std::abs(difference));
   }

@@ -43,7 +43,7 @@ class Evaluations {
 
   Eigen::Index constraints() const;
   const std::string& constraint(Eigen::Index i) const;  // what is wrong when it is violated, in words
-  /// Why there are no derivatives, or nothing: cracks with friction, elements without.
+  /// Why there are no derivatives, or nothing: elements without.
   const std::optional<std::string>& blind() const;
   double frame_area() const;
 

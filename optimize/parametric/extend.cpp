@@ -1,3 +1,10 @@
+// The motion of a boundary carried into a mesh and forces on the mesh carried back [theory: S.7]:
+//   sum_T 1/|T| int_T grad u . grad v = 0 for all v that vanish at given vertices,   u = given there,
+// linear elements with a weight that keeps small triangles stiff. The matrix of the free vertices is factorized once
+// per mesh; `gather` is the transpose of `extend`, one more solve with the same factor. A moved mesh is refused where
+// an angle falls below 13 degrees and below 0.6 of what it was, or a triangle is stretched by more than 1.6.
+// docs/theory/shape_gradient.md, section "Carrying a motion into the mesh".
+
 #include "optimize/parametric/extend.hpp"
 
 #include "solver/moved.hpp"
@@ -9,6 +16,7 @@ namespace kerf {
 
 namespace {
 
+// F = b a^-1 maps the triangle before to the one after.
 bool distorted(const Mesh& before, const Mesh& after, std::size_t t, double most) {
   const auto sides = [t](const Mesh& mesh) {
     const auto& v = mesh.triangles[t];
@@ -26,6 +34,7 @@ bool distorted(const Mesh& before, const Mesh& after, std::size_t t, double most
 }
 
 /// Stiffness of the pair of vertices i, k of a triangle over its area: -1/2 cot of the angle between, over the area.
+/// e_i . e_k/(4 |T|) of linear elements, and once more over |T| for the weight.
 double stiffness(const Mesh& mesh, Index t, std::size_t i, std::size_t k) {
   const auto& v = mesh.triangles[static_cast<std::size_t>(t)];
   const auto edge = [&](std::size_t c) {
@@ -46,6 +55,7 @@ std::vector<Index> rows_in(std::span<const Index> sequence, const std::vector<bo
 }
 
 /// The matrix of the free vertices without its values.
+/// A column per free vertex: itself and its neighbors in larger rows.
 LowerTriangle pattern_of(const Mesh& mesh, const std::vector<Index>& row) {
   LowerTriangle inner;
   inner.size = static_cast<Index>(std::ranges::count_if(row, [](Index r) { return r != none; }));
@@ -100,6 +110,7 @@ Extension make_extension(const Mesh& mesh, const std::vector<bool>& given) {
   return {std::move(sequence), std::move(row), std::move(inner), std::move(factor), std::move(couplings)};
 }
 
+// K u = -C given, per axis.
 Points extend(const Extension& e, const Points& motion) {
   Points all = motion;
   if (e.inner.size == 0) return all;
@@ -113,6 +124,7 @@ Points extend(const Extension& e, const Points& motion) {
   return all;
 }
 
+// given force - C' K^-1 (free force): work is the same, force . extend(motion) = gather(force) . motion.
 Points gather(const Extension& e, const Points& force) {
   Points all = force;
   if (e.inner.size == 0) return all;
@@ -163,6 +175,7 @@ std::optional<Mesh> carry(const Extension& e, const Mesh& before, std::span<cons
     const Points all = extend(e, motion);
     for (std::size_t v = 0; v < mesh.points.size(); ++v) mesh.points[v] += all.col(static_cast<Eigen::Index>(v));
   }
+  // Angles that are small already may fall to 0.6 of what they are.
   const std::vector<double> angles = smallest_angles(mesh);
   for (std::size_t t = 0; t < angles.size(); ++t)
     if (!(angles[t] >= std::min(most.least_angle, 0.6 * before_angles[t])) || distorted(before, mesh, t, most.stretch))

@@ -39,7 +39,7 @@ std::vector<double> smallest_angles(const Mesh& mesh);
 
 /// What a moved mesh may look like: what was fine enough across a gap that narrows is not any more.
 struct Strain {
-  double least_angle = 13;  // degrees; less than 0.6 of what an angle was is refused in any case
+  double least_angle = 13;  // degrees; an angle below it and below 0.6 of what it was is refused
   double stretch = 1.6;     // of a triangle, and its inverse
 };
 /// The mesh after a motion of the given vertices, or nothing where that strains it too much. `angles`: those of `mesh`.

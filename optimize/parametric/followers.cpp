@@ -1,3 +1,9 @@
+// How meshes follow what numbers draw: which vertices lie on a drawn thing (by its label, its crack or its region),
+// where on it, where they go with the variables, and forces on them pulled back, sum_k force_k . d position_k/dx.
+// Places are kept in coordinates of the thing (axes of an ellipse, shares of pieces), so that a position is a smooth
+// function of the variables and its derivative exact. Drawn things are counted behind those of the frame, in the order
+// of the design. docs/theory/shape_gradient.md, section "Carrying a motion into the mesh", has what is done with them.
+
 #include "optimize/parametric/followers.hpp"
 
 #include "kerf/optimize.hpp"
@@ -47,6 +53,7 @@ std::vector<bool> vertices_on(const Drawn& d, const Mesh& mesh, Numbers& next) {
   const auto in_region = [&](Index t) { return t != none && region_of(mesh, t) == next.region; };
   std::vector<bool> on(mesh.points.size(), false);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    // The rim of a region are edges with it on one side only.
     const bool mine = part == BodyPart::Crack    ? mesh.crack[e] == next.crack
                       : part == BodyPart::Region ? in_region(mesh.sides[e][0]) != in_region(mesh.sides[e][1])
                                                  : mesh.label[e] == label;
@@ -83,6 +90,7 @@ Points positions(const Design& d, const std::vector<Follower>& f, const VectorXd
   return at;
 }
 
+// The force on a follower times the derivative of its position, thing by thing.
 VectorXd pull_back(const Design& d, const std::vector<Follower>& f, const VectorXd& x, const Points& force) {
   const std::vector<VectorXd> part = parts(d, x);
   const std::vector<Eigen::Index> first = first_variables(d);
@@ -95,6 +103,7 @@ VectorXd pull_back(const Design& d, const std::vector<Follower>& f, const Vector
   return sum;
 }
 
+// Cracks and inclusions take nothing from the body.
 double area_of_holes(const Design& d, const VectorXd& x, VectorXd* gradient) {
   if (gradient) gradient->setZero(x.size());
   const std::vector<VectorXd> part = parts(d, x);

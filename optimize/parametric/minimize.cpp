@@ -1,3 +1,13 @@
+// Smooth minimization in a box under inequality constraints by NLopt (mma [Svanberg 2002], slsqp [Kraft 1994], cobyla
+// [Powell 1994], and ccsaq), which is included here alone, with kerf's own judgement of the result. NLopt sees
+// variables from 0 to 1 and an objective over its scale. It calls short steps a success, at wrong points too: the
+// residual of the conditions of Karush, Kuhn and Tucker [theory: L.8] decides, and where it is large mma goes on from
+// there. Failed evaluations are answered from the nearest good one, by its linear model where a known constraint is
+// violated, else uphill. Where constraints stay violated, the sum of their squares is minimized once. Every evaluation
+// is remembered: asked again, it costs nothing. The residual: min over l, m >= 0 of |(grad f + sum l grad c + sum m n,
+// l c, m d)| by nonnegative least squares [Lawson, Hanson 1974], for the signs of the slopes of the multipliers before.
+// docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/minimize.hpp"
 
 #include "base/nonnegative.hpp"
@@ -136,6 +146,7 @@ class Run {
   std::vector<std::string> failures_;
 };
 
+// Latest first. Values without gradients do not answer for those with them.
 const Evaluation* Run::find(const VectorXd& x, bool gradients) const {
   for (auto e = seen_.rbegin(); e != seen_.rend(); ++e)
     if (same((*e)->x, x) && (!gradients || (*e)->gradients.cols() > 0)) return e->get();
@@ -150,6 +161,7 @@ bool Run::better(const Evaluation& a, const Evaluation& b) const {
   return fa ? a.values[0] < b.values[0] : va < vb;
 }
 
+// Values that are known (constraints on the geometry need no mesh) are kept.
 void Run::answer(Evaluation& failed, bool gradients) const {
   const Evaluation* near = nullptr;
   double least = 0;
@@ -162,6 +174,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
       least = d;
     }
   };
+  // A linear model needs a neighbor with slopes, where one has them.
   look(gradients);
   const bool sloped = gradients && near;  // where derivatives fail all the same, cobyla has evaluated none
   if (!near) look(false);
@@ -183,6 +196,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
     const double slope = 10 * (j == 0 ? scale_of(*near, program_.lower, program_.upper) : 1.0);
     failed.values[j] = std::max(failed.values[j], near->values[j]) + slope * least;
     if (!sloped) continue;
+    // The gradient of slope |z - z_near|, z in boxes.
     VectorXd uphill = VectorXd::Zero(n);
     for (const Eigen::Index i : free_)
       if (least > 0) uphill[i] = slope * step[i] / (least * width_[i] * width_[i]);
@@ -190,6 +204,7 @@ void Run::answer(Evaluation& failed, bool gradients) const {
   }
 }
 
+// The scale is the largest of here, the start and the run's: a residual must not grow because the objective has fallen.
 void Run::weigh_up(const Evaluation& e) {
   double kkt = nan;
   if (e.gradients.cols() > 0) {
@@ -208,6 +223,7 @@ void Run::weigh_up(const Evaluation& e) {
   }
 }
 
+// Failed ones count as evaluations too; of each failure one note is kept.
 const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
   if (const Evaluation* e = find(x, gradients)) return *e;
   auto e = std::make_unique<Evaluation>(program_.evaluate(x, gradients));
@@ -217,11 +233,13 @@ const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
     if (e->values.size() != 1 + program_.constraints || !e->values.allFinite() || !e->gradients.allFinite())
       throw Error(Fault::Numerics, "the functionals are not finite at a design");
   } else {
+    // There is no neighbor yet to answer from.
     if (first) throw Error(Fault::Geometry, "the start of the design cannot be evaluated: " + e->failure);
     if (std::find(failures_.begin(), failures_.end(), e->failure) == failures_.end()) failures_.push_back(e->failure);
     answer(*e, gradients);
   }
   if (first) {
+    // NLopt sees the objective over its scale at the start.
     first_scale_ = scale_of(*e, program_.lower, program_.upper);
     nlopt_scale_ = first_scale_ > 0 ? first_scale_ : 1;
   }
@@ -240,6 +258,7 @@ const Evaluation* Run::guarded(const double* z) {
       end_ = End::Evaluations;
     else {
       const Evaluation& e = evaluate(x, with_gradients_);
+      // Violations are minimized until a design has none.
       const bool restored = restoring_ && violation_of(*best_) <= stop_.feasibility;
       if (end_ == End::None && !restored) return &e;
     }
@@ -264,6 +283,7 @@ Evaluation Run::violations(const Evaluation& e) const {
   return sum;
 }
 
+// In z: derivatives are those by x times the widths of the boxes.
 double Run::objective(unsigned n, const double* z, double* gradient, void* self) {
   Run& run = *static_cast<Run*>(self);
   const Evaluation* e = run.guarded(z);
@@ -281,6 +301,7 @@ double Run::objective(unsigned n, const double* z, double* gradient, void* self)
   return e ? e->values[0] / scale : HUGE_VAL;
 }
 
+// Gradients row by row, a constraint each, as NLopt has them.
 void Run::constraints(unsigned m, double* values, unsigned n, const double* z, double* gradient, void* self) {
   Run& run = *static_cast<Run*>(self);
   const Evaluation* e = run.guarded(z);
@@ -294,6 +315,7 @@ void Run::constraints(unsigned m, double* values, unsigned n, const double* z, d
   }
 }
 
+// A new NLopt object each time: its state, asymptotes and moves, begins anew.
 nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   const auto n = static_cast<unsigned>(free_.size());
   const auto m = static_cast<unsigned>(restoring_ ? 0 : program_.constraints);
@@ -307,6 +329,7 @@ nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   nlopt_set_lower_bounds(opt_, zero.data());
   nlopt_set_upper_bounds(opt_, one.data());
   if (m > 0) nlopt_add_inequality_mconstraint(opt_, m, constraints, this, tolerance.data());
+  // In shares of the boxes; for cobyla at least 1e-4.
   nlopt_set_xtol_abs1(opt_, simplex ? std::max(stop_.step, 1e-4) : stop_.step);
   nlopt_set_ftol_rel(opt_, stop_.value);
   if (simplex) nlopt_set_initial_step1(opt_, stop_.simplex);
@@ -342,6 +365,7 @@ bool Run::restore(const std::string& said, Minimum& found) {
 }
 
 /// Whether NLopt has made anything better than `before`.
+/// By a thousandth of what the tolerance is of J, or of the violation; or that it is feasible after all.
 bool Run::progress(const Evaluation& before) const {
   const double was = violation_of(before), is = violation_of(*best_);
   const double gain = feasible() ? before.values[0] - best_->values[0] : was - is;
@@ -349,6 +373,7 @@ bool Run::progress(const Evaluation& before) const {
   return gain > worth || (feasible() && was > stop_.feasibility);
 }
 
+// From the best design so far, until converged, by mma after the first end that is none; with six restarts at most.
 Minimum Run::minimize(OptimizeMethod method) {
   Minimum found;
   evaluate(start_, method != OptimizeMethod::Cobyla);
@@ -395,6 +420,7 @@ Minimum Run::minimize(OptimizeMethod method) {
 
 /// The best point, and how it ended.
 void Run::report(Minimum& found) {
+  // Without free variables nothing has converged.
   if (free_.empty() && end_ == End::Converged) end_ = End::None;
   found.best = *best_;
   found.evaluations = evaluations_;
@@ -462,12 +488,14 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index i = free[static_cast<std::size_t>(k)];
     const double width = upper[i] - lower[i], z = std::clamp((e.x[i] - lower[i]) / width, 0.0, 1.0);
+    // In variables from 0 to 1: slopes times widths.
     g[k] = e.gradients(i, 0) * width;
     for (Eigen::Index j = 0; j < m; ++j) A(k, j) = e.gradients(i, near[static_cast<std::size_t>(j)]) * width;
     // The best multiplier of a bound leaves of the slope r: |(r - m, m d)| = |r| d/sqrt(1 + d^2).
     above[k] = z / std::hypot(1, z);
     below[k] = (1 - z) / std::hypot(1, 1 - z);
   }
+  // A multiplier is weighed by how far its constraint is from its bound.
   for (Eigen::Index j = 0; j < m; ++j) complement[j] = std::max(0.0, -e.values[near[static_cast<std::size_t>(j)]]);
   // For given signs of the slopes a problem of nonnegative least squares. Any multipliers bound the residual.
   VectorXd multipliers = VectorXd::Zero(m), best = multipliers;
@@ -480,6 +508,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     return all;
   };
   constexpr int most = 20;
+  // Signs change with the multipliers: a step that does not lower the residual is halved, then ends.
   for (int iteration = 0; iteration < most; ++iteration) {
     const VectorXd r = g + A * multipliers, weight = (r.array() > 0).select(above, below);
     const double size = left(multipliers).norm();
@@ -489,6 +518,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     }
     if (m == 0) break;
     MatrixXd rows(n + m, m);
+    // Both are to vanish: weighted slopes, and multipliers times what their constraints leave free.
     rows << weight.asDiagonal() * A, MatrixXd(complement.asDiagonal());
     VectorXd right = VectorXd::Zero(n + m);
     right.head(n) = -weight.cwiseProduct(g);
@@ -497,6 +527,7 @@ double kkt_residual(const Evaluation& e, const Eigen::VectorXd& lower, const Eig
     if (left(next).norm() >= size * (1 - 1e-12)) break;
     multipliers = std::move(next);
   }
+  // Multipliers are the best in the mean of squares; what is told is the largest entry.
   const double residual = left(best).lpNorm<Eigen::Infinity>();
   return scale > 0 ? residual / scale : residual;
 }

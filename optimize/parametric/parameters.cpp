@@ -1,3 +1,11 @@
+// Minimization over the variables of a design in rounds, each on a fresh mesh that follows the design, until a round
+// lowers J by less than the tolerance. The derivative is checked once against central differences along one direction,
+// with three steps as contact may change within the longer ones. After every evaluation the checkpoint has all of it; a
+// run that resumes replays evaluations in their order and refuses a checkpoint whose designs are not those that it asks
+// for. Of several starts the best one goes on (starts.cpp). When a round changes little, the design is solved on a
+// finer mesh. Bounds that are violated there allow less from then on, twice at most, and rounds go on. At the end it is
+// judged there (optimize/loop/finish.cpp). docs/theory/level_set.md, section "Drawn designs".
+
 #include "kerf/optimize.hpp"
 
 #include "optimize/checkpoint_reader.hpp"
@@ -27,6 +35,7 @@ constexpr int most_rooms = 2;         // times that bounds are made to leave roo
 
 // Evaluations as numbers, for the checkpoint.
 constexpr Eigen::Index head = 11;
+// Eleven numbers, then bounds, x, values and gradients; unpacked reads in this order.
 VectorXd packed(const DesignEvaluation& t) {
   const Evaluation& e = t.evaluation;
   const auto bounds = static_cast<Eigen::Index>(t.bounds.size());
@@ -43,6 +52,7 @@ VectorXd packed(const DesignEvaluation& t) {
   return v;
 }
 
+// A checkpoint may be broken: every count and number is looked at before it is used.
 DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
   NumberReader in(v);
   DesignEvaluation t;
@@ -90,6 +100,7 @@ StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
 }
 
 /// A direction in boxes with entries of size 1/2 to 1, the same everywhere.
+/// No entry is small, so that no variable goes unchecked.
 VectorXd some_direction(Eigen::Index n) {
   std::mt19937 bits(20240229u);
   VectorXd d(n);
@@ -163,6 +174,7 @@ class Rounds {
   double accepted_merit_ = nan, accepted_violation_ = nan;
 };
 
+// Evaluations are read in their order until a number is missing; nothing is solved.
 void Rounds::restore() {
   if (place_.path.empty() || !place_.resume) return;
   const std::optional<Checkpoint> found = read_checkpoint(place_.path);
@@ -192,6 +204,7 @@ void Rounds::keep() {
     checkpoint_.texts["checked"] = *checked_;
     checkpoint_.numbers["checked"] = VectorXd::Constant(1, checked_solves_);
   }
+  // The newest evaluation is added; the file is written whole.
   const std::size_t i = done_.size() - 1;
   const std::string key = fmt::format("trial {:06}", i);
   checkpoint_.numbers[key] = packed(done_[i]);
@@ -208,6 +221,7 @@ void Rounds::write() {
 DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
   if (next_ < done_.size()) {
     const DesignEvaluation& known = done_[next_];
+    // To the last bit: the minimizer's questions follow from the answers before.
     const bool fits = known.evaluation.x.size() == x.size() && known.evaluation.x == x &&
                       known.evaluation.values.size() == 1 + evaluations_.constraints() &&
                       (known.evaluation.gradients.cols() > 0) == gradients &&
@@ -224,6 +238,7 @@ DesignEvaluation Rounds::evaluate(const VectorXd& x, bool gradients) {
   return done_[next_ - 1];
 }
 
+// One direction with all variables in it, the best of three steps, once per run; its outcome is in the checkpoint.
 void Rounds::check_derivatives(const DesignEvaluation& start) {
   if (!checked_) {
     constexpr double allowed = 1e-2;
@@ -260,6 +275,7 @@ void Rounds::show(const Iteration& row, const DesignEvaluation& design) {
 }
 
 /// After every evaluation: a row of the history when it is accepted, the observer, the checkpoint.
+/// A row is accepted when it is better than all before in its round: less violation, or feasible and lower.
 bool Rounds::look_at(const Evaluation& e, double kkt) {
   const std::size_t number = next_ - 1;
   const DesignEvaluation& design = done_[number];
@@ -280,6 +296,7 @@ bool Rounds::look_at(const Evaluation& e, double kkt) {
     if (!history.empty())
       for (Eigen::Index i = 0; i < lower_.size(); ++i)
         if (upper_[i] > lower_[i])
+          // The largest change of a variable since the row before, in boxes.
           row.step = std::max(row.step, std::abs(e.x[i] - history.back().variables[i]) / (upper_[i] - lower_[i]));
     row.optimality = kkt;
     row.holes = design.holes;
@@ -350,6 +367,7 @@ std::optional<DesignEvaluation> Rounds::begin_round(int round, const VectorXd& x
     return std::nullopt;
   }
   DesignEvaluation begun = evaluate(x, wants_gradients());
+  // Without a start there is no run; a later round leaves the design of the one before.
   if (const std::string& failure = begun.evaluation.failure; !failure.empty()) {
     if (round == 0) throw Error(begun.fault, fmt::format("the start of the design cannot be evaluated: {}", failure));
     if (next_ > restored_) keep();
@@ -380,6 +398,7 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
     all.push_back(
         start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
   }
+  // A checkpoint has all starts or none.
   if (all.empty()) all = try_starts(problem_, request_, given, farm_);
   for (std::size_t i = 0; i < all.size(); ++i) {
     checkpoint_.numbers[key(i)] = packed(all[i]);
@@ -410,6 +429,7 @@ FinerDesign Rounds::solve_finer_design(const VectorXd& x) const {
 
 /// Where a finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
+/// What was decided before an interruption is read back, not decided anew.
 bool Rounds::leave_room(const Iteration& row) {
   if (request_.bounds.empty() || rooms_ == most_rooms) return false;
   const std::string key = fmt::format("room {:06}", rooms_);
@@ -420,6 +440,7 @@ bool Rounds::leave_room(const Iteration& row) {
     at_most_.assign(tight.begin(), tight.end());
   } else {
     finer_ = solve_finer_design(row.variables);
+    // Kept: the end asks for the same design on that mesh.
     finer_at_ = row.variables;
     std::vector<double> tight = with_more_room(finer_, request_, at_most_, row.bounds);
     if (tight.empty()) return false;
@@ -439,10 +460,12 @@ bool Rounds::leave_room(const Iteration& row) {
   return true;
 }
 
+// Rounds go on from the best design of the one before, with a smaller simplex for cobyla.
 OptimizeResult Rounds::run() {
   restore();
   for (const FunctionalBound& bound : request_.bounds) at_most_.push_back(bound.at_most);
   const OptimizeMethod method = request_.method;
+  // The first evaluation of a round is made before NLopt asks for it: a mesh has to be there.
   std::optional<DesignEvaluation> begun;
   const Program asked = program(begun);
   VectorXd x = begin();
@@ -457,6 +480,7 @@ OptimizeResult Rounds::run() {
     begun = begin_round(round, x, found);
     if (!begun) break;
     if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
+    // The objective's own tolerance is far below that of rounds: the KKT residual ends a round.
     found = minimize(asked, x, method,
                      {.evaluations = evaluations,
                       .kkt = request_.tolerance,
@@ -466,6 +490,7 @@ OptimizeResult Rounds::run() {
                       .simplex = round == 0 ? 0.1 : 0.02});
     note(found);
     x = found.best.x;
+    // Rows know their variables: the best design is the last row that has them.
     best = first;
     for (std::size_t i = first; i < result_.history.size(); ++i)
       if (result_.history[i].variables == x) best = i;
@@ -481,6 +506,7 @@ OptimizeResult Rounds::run() {
   return finish(found, best);
 }
 
+// The violation is by the request's own bounds, which those of the last rounds may be tighter than.
 OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
   Iteration row = result_.history[best];
   row.violation = evaluations_.violation_of_request(done_[evaluation_of_row_[best]]);

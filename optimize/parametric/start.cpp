@@ -1,3 +1,9 @@
+// Designs to begin with: the nearest to a given one that can be drawn, and a sequence of places that fills the boxes.
+// The nearest design minimizes 1/2 |(y - x)/box|^2 under the constraints on the geometry, by slsqp, without any state;
+// from where that gets stuck (two things at the same place do not know which way to go) it begins again at up to 12
+// other places. Places are x_i = frac(1/2 + k g^-i) with g^(n+1) = g + 1 [Roberts 2018], which fill a box of n
+// variables evenly for any number of them. docs/theory/level_set.md, section "Drawn designs".
+
 #include "optimize/parametric/start.hpp"
 
 #include "kerf/optimize.hpp"
@@ -17,6 +23,7 @@ using Eigen::VectorXd;
 
 constexpr double bearable_start = 0.5;  // of a constraint on the geometry: minimizers lead back from there
 
+// Without constraints -infinity.
 double worst(const std::vector<Constraint>& all, const VectorXd& x, std::string* name) {
   double most = -infinity;
   for (const Constraint& c : all) {
@@ -34,6 +41,7 @@ double least_distance(const Problem& p, const OptimizeRequest& r) {
   return r.min_distance > 0 ? r.min_distance : mesh_size(p) / 2;
 }
 
+// Integrals over a ring around a feature need plain material in it.
 std::vector<Forbidden> forbidden_discs(const Problem& p, const OptimizeRequest& r) {
   std::vector<Forbidden> discs;
   const auto look = [&discs](const Functional& j) {
@@ -51,6 +59,7 @@ std::vector<Forbidden> forbidden_discs(const Problem& p, const OptimizeRequest& 
 VectorXd place_in(const VectorXd& lower, const VectorXd& upper, int number) {
   // x_i = frac(1/2 + number a_i), a_i = g^-i, g^(n+1) = g + 1 [Roberts 2018].
   const auto n = static_cast<double>(lower.size());
+  // 60 iterations of the fixed point: converged to rounding.
   double g = 2;
   for (int i = 0; i < 60; ++i) g = std::pow(1 + g, 1 / (n + 1));
   VectorXd x(lower.size());
@@ -80,6 +89,7 @@ std::optional<VectorXd> repaired(const VectorXd& x, const Problem& p, const Opti
     e.values[0] = 0;
     for (Eigen::Index i = 0; i < y.size(); ++i) {
       const double width = upper[i] - lower[i];
+      // Fixed variables have no box to be measured in and stay.
       const double away = width > 0 ? (y[i] - x[i]) / width : 0;
       e.values[0] += 0.5 * away * away;
       e.gradients(i, 0) = width > 0 ? away / width : 0;
@@ -96,6 +106,7 @@ std::optional<VectorXd> repaired(const VectorXd& x, const Problem& p, const Opti
   std::optional<VectorXd> best;
   double least = infinity;
   constexpr int places = 12;
+  // Two at least: the first one may have found a far design. Later ones begin farther away.
   for (int k = 0; k <= places && (k < 2 || !best); ++k) {
     const VectorXd from = k == 0 ? x : VectorXd(x + (place_in(lower, upper, k) - x) * std::min(1.0, 0.1 * k));
     const Minimum found = minimize(program, from, OptimizeMethod::Slsqp, {.evaluations = 200, .scale = 1});

@@ -1,3 +1,9 @@
+// Several designs to begin with, compared on a mesh 1.5 times as coarse: each is minimized from for 12 evaluations, the
+// best third of them (two to four) for 40 more, and the best of these is gone on from. One design is better than
+// another if it violates less, beyond 1e-3, then by its merit; failed ones come last. Looks are independent of each
+// other: threads take them, or processes of a farm, each as a packed task, and they are sorted stably, so that the
+// result does not depend on who did them. The least distance between things does not grow with the coarse mesh.
+
 #include "optimize/parametric/starts.hpp"
 
 #include "base/packer.hpp"
@@ -24,6 +30,7 @@ constexpr int first_evaluations = 12, second_look = 40;  // evaluations
 constexpr double bearable_violation = 1e-3;  // violations up to here do not make one design worse than another
 
 /// The given design first.
+/// A place that leads to a design that is there already is left out; 20 tries per start end the search.
 std::vector<VectorXd> places(const Problem& p, const OptimizeRequest& r, const VectorXd& given) {
   const VectorXd lower = lower_bounds(r.design), upper = upper_bounds(r.design);
   const VectorXd width = (upper - lower).unaryExpr([](double w) { return w > 0 ? w : 1.0; });
@@ -45,6 +52,7 @@ void follow(const Problem& p, const OptimizeRequest& r, int evaluations, StartTr
   all.begin_round();
   const bool gradients = r.method != OptimizeMethod::Cobyla;
   const VectorXd from = tried.variables.size() > 0 ? tried.variables : tried.from;
+  // Tells whether the start can be evaluated at all, and is the first answer to the minimizer.
   std::optional<DesignEvaluation> begun = all.evaluate(from, gradients);
   tried.state_solves += begun->state_solves;
   if (!begun->evaluation.failure.empty()) {
@@ -77,6 +85,7 @@ std::pair<Problem, OptimizeRequest> compared(const Problem& problem, const Optim
 
 // Tasks and answers of a farm.
 
+// What try_start reads, in its order. A farm has problem and request.
 std::string task_of(const Design& design, int evaluations, const StartTried& tried) {
   Packer to;
   to(start_of(design), evaluations, tried.from, tried.variables, tried.merit, tried.violation);
@@ -107,6 +116,7 @@ void take_answer(std::string_view answer, StartTried& tried) {
   tried.state_solves += solves;
 }
 
+// NaN: it could not be evaluated.
 bool better(const StartTried& a, const StartTried& b) {
   if (std::isnan(a.merit) || std::isnan(b.merit)) return !std::isnan(a.merit) && std::isnan(b.merit);
   const double more_a = std::max(0.0, a.violation - bearable_violation),
@@ -116,6 +126,7 @@ bool better(const StartTried& a, const StartTried& b) {
 
 }  // namespace
 
+// The task says only where to begin and what was reached; problem and request are the caller's.
 std::string try_start(const Problem& problem, const OptimizeRequest& request, std::string_view task) {
   Unpacker from(task);
   auto [p, r] = compared(problem, request);

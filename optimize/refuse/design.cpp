@@ -1,3 +1,10 @@
+// What is wrong with a design of numbers before anything is meshed: boxes that leave no room in the body, ranges,
+// volumes that the largest holes cannot reach, tips that leave the ring of their functional, elements that cannot do
+// what is asked, and a start that cannot be drawn and has no neighbor that can. What is refused is proved: a box
+// without room by the depth of the body, which changes by no more than the way between two points (extent_of_body.cpp),
+// an area by the largest ones of the boxes. Each rule names the key of the case file. The rules are listed in
+// optimize/refuse.hpp; docs/limits.md says what is not supported.
+
 #include "geometry/plane.hpp"
 #include "optimize/parametric/followers.hpp"
 #include "optimize/parametric/start.hpp"
@@ -18,6 +25,7 @@ using Eigen::VectorXd;
 struct Written {
   std::string table, place, words;  // "optimize.hole[0]", ".circle.center", "center in circle in [[optimize.hole]]"
 };
+// Things of one table are counted as the case file lists them.
 Written written(const Design& d, std::size_t k) {
   const auto part = [](const Drawn& one) { return shape_of(one).part; };
   const auto number = std::count_if(d.drawn.begin(), d.drawn.begin() + static_cast<std::ptrdiff_t>(k),
@@ -53,13 +61,16 @@ std::optional<std::string> out_of_body(const Drawn& d, const Depth& depth) {
   switch (d.kind) {
     case Drawn::Kind::Circle:
     case Drawn::Kind::Inclusion:
+      // A disc fits where some center is as deep as its smallest radius.
       if (depth.most(l.head<2>(), u.head<2>()) < l[2]) return no_room(l[2]);
       break;
     case Drawn::Kind::Ellipse: {
+      // An ellipse holds the disc of its smaller semi-axis.
       const double least = l.segment<2>(2).minCoeff();
       if (depth.most(l.head<2>(), u.head<2>()) < least) return no_room(least);
       break;
     }
+    // The convex hull of the control points holds the curve, and the box of the boxes holds that.
     case Drawn::Kind::Spline: {  // lies among its control points
       Vec2 low = l.head<2>(), high = u.head<2>();
       for (Eigen::Index i = 2; i < l.size(); i += 2)
@@ -69,6 +80,7 @@ std::optional<std::string> out_of_body(const Drawn& d, const Depth& depth) {
     }
     case Drawn::Kind::Crack:
       for (Eigen::Index i = 0; i < l.size(); i += 2)
+        // A vertex may lie on the boundary, where cracks end: the error of chords and rounding are allowed.
         if (depth.most(l.segment<2>(i), u.segment<2>(i)) < -1e-9 * (u - l).norm() - depth.chord())
           return fmt::format("the box of point {} lies outside the body; move it", i / 2 + 1);
       break;
@@ -93,6 +105,7 @@ double largest_area(const Drawn& d) {
   }
 }
 
+// Overlaps only leave more: the sum of the largest areas bounds what holes can take. Rounding has 1e-9.
 void look_at_volume(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const double frame = area(p.frame);
   double holes = 0;
@@ -136,6 +149,7 @@ void look_at_tips(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>
   for (const FunctionalBound& bound : r.bounds) look(bound.functional);
 }
 
+// Cobyla needs no derivatives, but what the design draws has to be known to the element, and a map its adjoint.
 void look_at_element(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const auto refuse = [&](Ability can, const std::string& what) {
     if (const auto why = refusal(p.element, can)) all.push_back({"solver.element", what + *why});
@@ -170,6 +184,7 @@ bool look_at_each(const Problem& p, const OptimizeRequest& r, bool drawable, std
     }
   }
   if (all.size() > before) return false;
+  // Names and the design as a whole, once each thing is well.
   try {
     check_design(r.design, p);
   } catch (const Error& error) {

@@ -1,3 +1,6 @@
+// Signed depth of points in a body, and an upper bound of it over a box: samples at distances that it cannot change
+// more over.
+
 #include "optimize/refuse/extent_of_body.hpp"
 
 #include <algorithm>
@@ -20,6 +23,7 @@ void Depth::add(const Loop& loop) {
     sides_.push_back({p.points[i], p.points[(i + 1) % p.points.size()]});
 }
 
+// The nearest side tells how far, the inside or outside its sign.
 double Depth::operator()(const Vec2& x) const {
   double least = infinity;
   for (const auto& [a, b] : sides_) least = std::min(least, squared_distance(x, a, b));
@@ -27,6 +31,7 @@ double Depth::operator()(const Vec2& x) const {
 }
 
 double Depth::most(const Vec2& low, const Vec2& high) const {
+  // Depth is Lipschitz with constant 1: no point is farther than half a cell's diagonal from a sample.
   constexpr int pieces = 48;
   const Vec2 cell = (high - low) / pieces;
   const int columns = cell.x() > 0 ? pieces : 1, rows = cell.y() > 0 ? pieces : 1;
@@ -37,6 +42,7 @@ double Depth::most(const Vec2& low, const Vec2& high) const {
   return deepest + 0.5 * cell.norm() + chord_;
 }
 
+// Of the loop's chords, 1e-6 of its size off its arcs.
 std::array<Vec2, 2> box_of(const Loop& loop) {
   double size = 0;
   for (const Side& side : loop.sides)

@@ -1,3 +1,11 @@
+// What is wrong with a level-set request before anything is meshed: start holes that leave no body or cut the loads
+// off, frozen parts that cover it all or more than the area allowed, lengths larger than the body, a boundary of which
+// nothing can move. Nothing is refused on a sample alone. The body is covered by at most 200 squares along its longer
+// side, each with the depth of its middle, and a depth changes by no more than the way to a corner (`slack`): start
+// holes count as smaller, what stays solid as larger than they are, frozen parts as smaller where their share is
+// bounded below. Squares that touch at a corner hang together, so that what is found to be cut off is cut off. The
+// rules are listed in optimize/refuse.hpp.
+
 #include "optimize/level_set/start.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/refuse/methods.hpp"
@@ -33,6 +41,7 @@ struct Lattice {
   }
 };
 
+// Squares, 200 along the longer side of the box.
 Lattice lattice_over(const Shape& body, double chord) {
   constexpr int across = 200;
   const auto [low, high] = box_of(body.outline);
@@ -118,10 +127,12 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
   std::vector<Depth> masks;
   for (const Loop& loop : r.level_set.frozen) masks.emplace_back(loop, chord);
   const double strip = 2 * mesh_size_of(p) + slack;  // at least what stays beside loads
+  // unholed: what the holes may leave; solid: with what stays whatever the holes take.
   std::vector<bool> solid(l.depth.size(), false), unholed(l.depth.size(), false);
   for (int k = 0; k < l.rows; ++k)
     for (int i = 0; i < l.columns; ++i) {
       const auto at = static_cast<std::size_t>(l.at(i, k));
+      // Squares that surely lie outside are left out; all others may have some of the body.
       if (l.depth[at] < -slack) continue;
       const Vec2 x = l.middle(i, k);
       unholed[at] =
@@ -136,6 +147,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
   if (std::ranges::none_of(unholed, [](bool here) { return here; })) return refuse("leave no body to begin with");
   std::vector<Index> held;
   for (const Support& s : p.scene.supports) held.push_back(s.label);
+  // Without supports there is nothing that loads could be cut off from.
   if (held.empty()) return;
   const std::vector<int> piece = pieces_of(l, solid);
   const auto touched = [&](const std::vector<Index>& labels) {
@@ -143,11 +155,13 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
     std::vector<int> out;
     for (int k = 0; k < l.rows; ++k)
       for (int i = 0; i < l.columns; ++i)
+        // A piece touches a side when some square of it comes within two slacks: more than surely touches.
         if (const int here = piece[static_cast<std::size_t>(l.at(i, k))];
             here >= 0 && std::ranges::find(out, here) == out.end() && sides.away(l.middle(i, k)) < 2 * slack)
           out.push_back(here);
     return out;
   };
+  // Pieces that a support holds; a load none of whose pieces is among them hangs on nothing.
   const std::vector<int> supported = touched(held);
   if (supported.empty()) return refuse("take away all that the supports hold");
   for (const Scene& scene : scenes_of(p, r))
@@ -177,6 +191,7 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
       if (depth < -slack) continue;
       const Vec2 x = l.middle(i, k);
       const bool in = std::ranges::any_of(masks, [&](const Depth& m) { return m(x) > slack; });
+      // Only squares that surely lie both in the body and in a frozen part.
       if (in && depth > slack) frozen += l.cell * l.cell;
       everything = everything && in;
     }
@@ -184,6 +199,7 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
     all.push_back({"optimize.frozen",
                    "frozen in [optimize]: the regions together cover the whole body: nothing is "
                    "left to design"});
+  // A lower bound of the share.
   const double share = frozen / area(p.frame);
   if (!everything && r.volume_at_most && share > *r.volume_at_most)
     all.push_back({"optimize.volume.at_most",
@@ -192,9 +208,11 @@ void look_at_frozen(const Problem& p, const OptimizeRequest& r, const Lattice& l
                                *r.volume_at_most, share)});
 }
 
+// Lengths that no design of this body can keep.
 void look_at_lengths(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const double size = extent(p.frame);
   const auto [low, high] = box_of(p.frame.outline);
+  // A member is no wider than twice the largest depth.
   const double widest = 2 * Depth(p.frame, 1e-4 * size).most(low, high);
   if (r.level_set.min_feature > widest)
     all.push_back({"optimize.min_feature",

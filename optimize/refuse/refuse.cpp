@@ -1,3 +1,9 @@
+// What is wrong with an optimization and can be known before anything is meshed or solved, rule by rule; the parts that
+// only a level set or only drawn shapes can get wrong are in level_set.cpp and design.cpp. Each rule appends the key of
+// the case file that it blames, with what to do instead; refuse_wrong throws all of them, a line each. Loads count as
+// absent only where interval arithmetic encloses them by 0 over the whole side or body (docs/theory/data.md,
+// "Enclosures"): what is sampled counts as a load. docs/limits.md says what is not supported.
+
 #include "optimize/refuse.hpp"
 
 #include "geometry/interfaces.hpp"
@@ -24,12 +30,14 @@ bool is_zero(const std::array<Interval, 2>& value) {
 /// Whether data are known to vanish on all of a label.
 bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
   if (!f.known()) return false;
+  // Over every side of the label: straight ones along their line, arcs by a box.
   std::vector<const Loop*> loops{&body.outline};
   for (const Loop& hole : body.holes) loops.push_back(&hole);
   for (const Loop* loop : loops)
     for (std::size_t i = 0; i < loop->sides.size(); ++i) {
       const Side& side = loop->sides[i];
       if (side.label != label) continue;
+      // Over the box about the circle of the arc: more than the arc, so that a 0 is proved.
       if (side.arc) {
         const double r = largest_radius(*side.arc);
         const Vec2& c = side.arc->center;
@@ -42,6 +50,7 @@ bool vanishes(const BoundaryField& f, const Shape& body, Index label) {
   return true;
 }
 
+// Over the bounding box: more than the body, so that a 0 is proved.
 bool vanishes(const auto& f, const Shape& body) {
   if (!f.known()) return false;
   const auto [low, high] = box_of(body.outline);
@@ -77,6 +86,7 @@ void look_at_loads(const Problem& p, const OptimizeRequest& r, std::vector<Wrong
   }
 }
 
+// Without supports the displacement is known up to a rigid motion only, and what sees it is no number.
 void look_at_rigid_motions(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   if (!p.scene.supports.empty()) return;
   const auto look = [&](const Functional& j, const std::string& key, const std::string& where) {
@@ -94,6 +104,8 @@ void look_at_rigid_motions(const Problem& p, const OptimizeRequest& r, std::vect
     look(r.bounds[b].functional, fmt::format("optimize.bound[{}]", b), "[[optimize.bound]]");
 }
 
+// A level set would carve a pressure away with its crack. With friction no energy is least, and what a map or a misfit
+// needs is not known.
 void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wrong>& all) {
   const bool level_set = r.method == OptimizeMethod::LevelSet;
   for (std::size_t k = 0; level_set && k < p.scene.laws.size() && k < p.frame.cracks.size(); ++k)
@@ -121,6 +133,7 @@ void look_at_cracks(const Problem& p, const OptimizeRequest& r, std::vector<Wron
   }
 }
 
+// The first one tells enough; so with eigenstrains below.
 void look_at_interfaces(const Problem& p, std::vector<Wrong>& all) {
   const std::vector<bool> along = along_regions(p.frame);
   for (std::size_t k = 0; k < along.size(); ++k)
@@ -154,6 +167,7 @@ void look_at_materials(const Problem& p, std::vector<Wrong>& all) {
 
 }  // namespace
 
+// Compliance alone is least for the full body, area alone for none; other functionals need some price or bound of area.
 std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r) {
   if (r.method != OptimizeMethod::LevelSet) return std::nullopt;
   if ((r.volume_at_most && *r.volume_at_most < 1) || r.volume_penalty > 0) return std::nullopt;
@@ -167,6 +181,7 @@ std::optional<std::string> wrong_volume(const Functional& objective, const Optim
   double price = 0;
   for (const Term& t : terms)
     if (t.volume) price += t.factor;
+  // Nothing but area to be made small.
   const bool area = std::ranges::all_of(terms, [](const Term& t) { return t.volume; });
   if (area && r.bounds.empty())
     return "[optimize]: the least volume is no body at all; add an [[optimize.bound]] on what the body has to bear, "
@@ -177,6 +192,7 @@ std::optional<std::string> wrong_volume(const Functional& objective, const Optim
   return std::nullopt;
 }
 
+// Measured displacements belong to one set of loads, and the ring of a release rate to one body force.
 std::optional<std::string> wrong_load_cases(const Functional& objective, const OptimizeRequest& r) {
   if (r.load_cases.empty()) return std::nullopt;
   const bool forces = std::ranges::any_of(r.load_cases, [](const LoadCase& l) { return static_cast<bool>(l.body); });
@@ -196,6 +212,7 @@ std::optional<std::string> wrong_load_cases(const Functional& objective, const O
   return std::nullopt;
 }
 
+// Everything that is wrong is told at once. What needs a body that can be drawn waits until there is one.
 std::vector<Wrong> find_wrong(const Problem& p, const OptimizeRequest& r) {
   std::vector<Wrong> all;
   const bool drawable = !find_problem(p.frame);

@@ -13,6 +13,7 @@ namespace kerf {
 namespace {
 
 /// Points along all loops and cracks.
+/// At most `step` apart; corners are among them.
 std::vector<Vec2> points_along(const Shape& shape, double step) {
   std::vector<Vec2> out;
   const auto add = [&](const Vec2& a, const Vec2& b) {
@@ -39,6 +40,7 @@ std::vector<Vec2> points_along(const Shape& shape, double step) {
   return out;
 }
 
+// x' - p = 2 (d . (x - p)) d - (x - p), d along the line through p.
 Vec2 reflected(const Mirror& mirror, const Vec2& x) {
   const Vec2 away = x - mirror.point;
   return mirror.point + 2 * mirror.direction * mirror.direction.dot(away) - away;
@@ -54,6 +56,7 @@ std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror)
   std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
   for (const Vec2& x : points) {
     const Vec2 image = reflected(mirror, x);
+    // Sorted by x: only points within a step of the image's x are looked at.
     auto near = std::lower_bound(points.begin(), points.end(), image.x() - step,
                                  [](const Vec2& p, double limit) { return p.x() < limit; });
     while (near != points.end() && near->x() < image.x() + step && !((*near - image).norm() < step)) ++near;
@@ -70,6 +73,7 @@ std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask) {
   Shape alone;
   alone.outline = mask;
   if (auto problem = find_problem(alone)) {
+    // The mask was drawn as an outline; its user calls it a border.
     const std::string blamed = "the outline";
     for (std::size_t at; (at = problem->find(blamed)) != std::string::npos;)
       problem->replace(at, blamed.size(), "its border");
@@ -83,6 +87,7 @@ std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask) {
   const auto count = [](const std::vector<Vec2>& points, const std::vector<Vec2>& polygon) {
     return std::count_if(points.begin(), points.end(), [&](const Vec2& x) { return inside(polygon, x); });
   };
+  // A part that surrounds the whole outline has all of its points inside.
   const auto in_mask = count(border, own);
   if (in_mask == 0 && count(own, border) == 0)
     return fmt::format("region \"{}\" lies outside the body: there is nothing to freeze", mask.name);

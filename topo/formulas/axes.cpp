@@ -1,3 +1,6 @@
+// Angles of what has a direction: the axis of a symmetric form in closed form, and a search by samples and golden
+// sections where there is none [theory: T.14].
+
 #include "topo/formulas/axes.hpp"
 
 #include <cmath>
@@ -19,6 +22,8 @@ double axis(const PlaneParts& m) {
   return in_half_turn(0.5 * std::atan2(m.y, m.x));
 }
 
+// Golden sections assume one maximum within a sample's width on either side of the best sample. The best sample itself
+// stays in the race, so that the result is never below it.
 double largest_over_angles(const std::function<double(double)>& f, int samples) {
   double best = 0, value = f(0);
   const auto take = [&](double angle) {

@@ -1,3 +1,6 @@
+// Kelvin's field of a point force, the matrix M(eps) between the force on a small clamp and the mean displacement of
+// its rim, and its inverse [theory: T.26, T.27, T.29].
+
 #include "topo/formulas/clamped_hole.hpp"
 #include "topo/formulas/kind.hpp"
 #include "topo/mutation.hpp"
@@ -16,6 +19,7 @@ double flexibility(const Material& m) {
 }
 
 Mat2 kelvin(const Material& m, const Vec2& r) {
+  // The factor 1/2 before kappa: the logarithm is that of |r|^2.
   const double square = r.squaredNorm();
   return flexibility(m) * (-0.5 * kolosov(m) * std::log(square) * Mat2::Identity() + r * r.transpose() / square);
 }
@@ -27,6 +31,7 @@ Mat2 kelvin_stress(const Material& m, const Vec2& r, int j) {
   return -(0.5 * (k - 1) * linear + 2 * r[j] * yy) / (pi * (1 + k));
 }
 
+// M = flexibility (kappa ln(1/eps) + 1/2) I + Hreg. The 1/2 is the mean of r_i r_j/|r|^2 over the rim.
 Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {
   return flexibility(m) *
              (0.5 * mutant(FormulaPart::ClampedHalf) -
@@ -35,6 +40,8 @@ Mat2 clamped_matrix(const Material& m, double eps, const Mat2& hreg) {
          mutant(FormulaPart::ClampedRegular) * hreg;
 }
 
+// With friction M is not symmetric, and its symmetric part decides. M loses its definiteness where eps is not small
+// against the distance to the sides.
 bool admits_clamp(const Mat2& m) {
   const Mat2 b = 0.5 * (m + m.transpose());
   return b(0, 0) > 0 && b.determinant() > 0;

@@ -1,3 +1,6 @@
+// A small straight crack of length 2 eps with normal n: form(s, t) = 2/E' (s n).(t n) where n.s n > 0, else the product
+// of the shears alone, as closed faces without friction carry pressure [Kachanov 1993; theory: T.13].
+
 #include "topo/formulas/axes.hpp"
 #include "topo/formulas/kind.hpp"
 #include "topo/mutation.hpp"
@@ -9,6 +12,7 @@ namespace kerf {
 namespace {
 
 // The tractions on a cut at the angle: normal and tangential components of s n, n = (-sin, cos).
+// By double angles: tractions turn with the cut, tensors with twice its angle.
 Vec2 on_cut(const PlaneParts& s, double angle) {
   const double c = std::cos(2 * angle), d = std::sin(2 * angle);
   return {s.mean - s.x * c - s.y * d, s.y * c - s.x * d};
@@ -23,6 +27,7 @@ double crack_part(const Material& m, double angle, const Mat2& s, const Mat2& t,
 
 }  // namespace
 
+//  Open or closed is a matter of s, the stress of the state, and not of t.
 double crack_form(const Material& m, double angle, const Mat2& s, const Mat2& t) {
   return crack_part(m, angle, s, t, on_cut(split(s), angle).x() > 0);
 }
@@ -47,6 +52,9 @@ Oriented searched_crack(const Material& m, std::span<const Product> products) {
   return {value(angle), angle};
 }
 
+// The largest |T| over the angle, for products with one stress s of the state. T is continuous in the angle and a wave
+// in twice or four times the angle on either side of where the crack closes, so that the largest value is at an extreme
+// of a branch (where that branch holds) or at an angle of closing, mean = x cos 2a + y sin 2a [theory: T.14].
 Oriented worst(const Perturbation&, const Material& m, std::span<const Product> products) {
   Oriented largest;
   if (products.empty()) return largest;

@@ -1,3 +1,6 @@
+// A small free ellipse of area pi eps^2 and aspect r: form(s, t) = (2 s:t - tr s tr t + 2r (s f).(t f) + 2/r (s e).(t
+// e))/E', e along the longer axis, f across [Kachanov 1993; theory: T.12]; in an orthotropic body by (O.16).
+
 #include "topo/formulas/axes.hpp"
 #include "topo/formulas/kind.hpp"
 #include "topo/formulas/orthotropic_hole.hpp"
@@ -9,6 +12,7 @@
 
 namespace kerf {
 
+// A circle (r = 1) has f f' + e e' = I, and with it the form 4 s:t - tr s tr t of a round hole.
 double ellipse_form(const Material& m, double aspect, double angle, const Mat2& s, const Mat2& t) {
   if (!(aspect >= 1))
     throw Error(Fault::Usage, "elliptic hole: the aspect is " + std::to_string(aspect) + ", it must be at least 1");
@@ -35,6 +39,7 @@ double of_ellipse(const Perturbation& p, const Material& m, double angle, const 
 }
 Oriented best(const Perturbation& p, const Material& m, std::span<const Product> products) {
   Oriented best;
+  // The least T has the longer axis where e.M e is largest; a circle has no axis [theory: T.14].
   if (p.aspect > 1) best.angle = axis(isotropic(m) ? squares(products) : orthotropic_squares(m, products));
   for (const Product& q : products) best.value += q.factor * ellipse_form(m, p.aspect, best.angle, q.s, q.t);
   return best;

@@ -1,3 +1,6 @@
+// A small free circular hole: form(s, t) = (4 s:t - tr s tr t)/E' [Garreau, Guillaume, Masmoudi 2001; theory: T.3]; in
+// an orthotropic body by (O.16).
+
 #include "topo/formulas/kind.hpp"
 #include "topo/formulas/orthotropic_hole.hpp"
 #include "topo/formulas/parts.hpp"

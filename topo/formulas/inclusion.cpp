@@ -1,3 +1,6 @@
+// A small circle of another material: form(s, t) = -(Ph tr s tr t + Pd dev s:dev t), and the multipliers of the uniform
+// stress inside it [Ammari, Kang 2007; theory: T.9, T.11].
+
 #include "topo/formulas/kind.hpp"
 #include "topo/formulas/parts.hpp"
 #include "topo/mutation.hpp"
@@ -34,6 +37,7 @@ std::string inclusion_in_words(const Perturbation&) {
 double of_inclusion(const Perturbation& p, const Material& m, double, const Mat2& s, const Mat2& t) {
   return inclusion_form(m, p.inclusion, s, t);
 }
+// gamma_h and gamma_d of the stress inside, gamma_h s I + gamma_d dev s.
 Transmission transmitted(const Perturbation& p, const Material& m) {
   const double beta = eshelby(m);
   return {(1 + 4 * m.mu * m.c) / (1 + 4 * m.mu * p.inclusion.c), 1 / ((1 - beta) * (m.mu / p.inclusion.mu) + beta)};

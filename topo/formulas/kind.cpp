@@ -1,3 +1,6 @@
+// Dispatch over the kinds of perturbations: each is a row of the table in kind.hpp, and what a kind lacks is refused
+// here.
+
 #include "topo/formulas/kind.hpp"
 
 #include <fmt/core.h>
@@ -31,6 +34,7 @@ double scale(const Perturbation& p, double eps) {
   return has_series(p) ? pi * eps * eps : nan;
 }
 
+//  The longer semi-axis of an ellipse of area pi eps^2 is eps sqrt(aspect).
 double reach(const Perturbation& p) {
   return std::sqrt(aspect(p));
 }

@@ -1,3 +1,6 @@
+// Refusals: which expansions are not known where some of the body is orthotropic (docs/theory/orthotropic.md, "Free
+// holes").
+
 #include "topo/orthotropic.hpp"
 
 #include "topo/formulas/kind.hpp"
@@ -12,6 +15,7 @@ bool has_orthotropic(const Scene& scene) {
   return std::ranges::any_of(all_materials(scene), [](const Material& m) { return !isotropic(m); });
 }
 
+// Free holes are known for all functionals but those of the stress itself.
 std::optional<std::string> unknown_expansion(const Scene& scene, const Functional& j, const Perturbation& p) {
   if (!has_orthotropic(scene)) return std::nullopt;
   if (row(p).becomes != Becomes::Nothing)

@@ -1,3 +1,6 @@
+// H(s, t) = A s:t + tr(t L^-1 s R) + w (s:t - tr s tr t) of a free ellipse in an orthotropic plane, with the tensors of
+// its surface [Tsukrov, Kachanov 2000; theory: O.7, O.16].
+
 #include "topo/formulas/orthotropic_hole.hpp"
 
 #include "solver/anisotropic.hpp"

@@ -1,3 +1,6 @@
+// The second term of a circle in any field: Q(s, t) of the Taylor coefficients a_n, b_n of Kolosov's potentials, and
+// the coefficients of eps^4 ln eps where the series has a logarithm [theory: Q.5, Q.7, Q.8, Q.9, Q.10].
+
 #include "topo/formulas/second_term.hpp"
 
 #include "topo/formulas/clamped_hole.hpp"
@@ -12,17 +15,20 @@ namespace {
 
 using Complex = std::complex<double>;
 
+//  Re a conj(b)
 double product(const Complex& a, const Complex& b) {
   return (a * std::conj(b)).real();
 }
 
 // How much of a uniform mean stress, of a gradient of it and of a uniform deviator a circle answers: 1 for a hole.
+// r1, r2, q of (Q.7): r1 = 1 - gamma_h, q = 1 - gamma_d of the stress inside.
 struct Shares {
   double mean = 1, gradient = 1, deviator = 1;
 };
 
 // (s kappa_i - kappa)/(1 + s kappa_i), s = mu/mu_i: the rim under phi = z^2.
 double gradient_share(const Material& m, const Material& inside) {
+  // An infinitely soft inside is a hole.
   const double product = m.mu / inside.mu + 8 * m.mu * inside.c;
   if (std::isinf(product)) return 1;
   return mutant(FormulaPart::SecondInclusion) * (product - kolosov(m)) / (1 + product);

@@ -1,3 +1,12 @@
+// Powers of the von Mises stress, Phi = V^(p/2), V = A s^2 + 3 d^2 with s, d half the sum and half the difference of
+// the principal stresses, and what a small circle does to int w Phi by its own stress field [Amstutz, Novotny 2010]:
+//   Psi(s) = int_0^1 1/(2 pi) int_0^2pi (Phi(s + w) - Phi(s) - Phi'(s):w)/t^2 dtheta dt,   t = 1/r^2,
+// with Kirsch's field w [theory: T.2, T.20]. Psi is homogeneous of degree p and isotropic, so that Psi = (s^2 +
+// d^2)^(p/2) psi(y), y = d^2/(s^2 + d^2), and psi is tabulated by Chebyshev sums on pieces of [0, 1] [theory: T.22].
+// For even p the integrand is a polynomial in t, cos 2 theta, sin 2 theta and the rule is exact. For others Phi has a
+// corner where the stress vanishes: cells of (theta, t) are quartered there, pieces of y halved. Derived in
+// docs/theory/topological_derivatives.md, section "Functionals of the stress".
+
 #include "topo/formulas/von_mises.hpp"
 
 #include "base/quadrature.hpp"
@@ -23,6 +32,7 @@ Invariants invariants(const Mat2& s) {
 
 // [Phi(s + w) - Phi(s) - Phi'(s):w]/t^2 at t = 1/r^2, in the principal frame of s = (mean, d).
 struct Integrand {
+  // added_*: q_h s and q_d d of (T.2); whole = V^h, lower = V^(h - 1) of the undisturbed stress, h = p/2.
   double share, h, mean, d, added_mean, added_d, whole = 0, lower = 0;
 
   Integrand(const PowerTable& table, double mean, double d)
@@ -45,6 +55,7 @@ struct Integrand {
   double operator()(double c, double s, double t) const {
     const double m = -2 * added_d * c, x = -added_mean + added_d * (3 * t - 2) * c, y = added_d * (3 * t - 2) * s;
     const double first = 2 * (share * mean * m + 3 * d * (c * x - s * y)), second = share * m * m + 3 * (x * x + y * y);
+    // V(s + w) = V + t slope. A change below a tenth of V is expanded: the difference, divided by t^2, would cancel.
     const double slope = first + t * second, v = square();
     if (std::abs(t * slope) < 0.1 * v)
       return lower * (slope * slope / v * power_remainder(h, t * slope / v) + h * second);
@@ -56,6 +67,7 @@ struct Cell {
   double a, b, from, to;  // theta, t
 };
 
+// Gauss points in both variables.
 double over(const Integrand& f, const EdgeRule& rule, const Cell& q) {
   double sum = 0;
   for (Eigen::Index i = 0; i < rule.s.size(); ++i) {
@@ -91,6 +103,7 @@ double integral(const PowerTable& table, bool even, const EdgeRule& rule, double
   const Integrand f(table, std::sqrt(1 - y), std::sqrt(y));
   double sum = 0;
   if (even) {
+    // A polynomial of degree p in cos 2 theta: Chebyshev's p + 1 points are exact.
     const int n = static_cast<int>(table.p) + 1;
     for (int k = 0; k < n; ++k)
       for (Eigen::Index j = 0; j < rule.s.size(); ++j) {
@@ -119,6 +132,7 @@ struct Tabulation {
   EdgeRule rule;
 
   void add(double from, double to, int depth) {
+    // Chebyshev's nodes y = from + (to - from) sin^2(angle/2), and the discrete cosine transform of the values there.
     Eigen::VectorXd value(terms), sum(terms);
     const auto node = [](int i) { return pi * (i + 0.5) / terms; };
     for (int i = 0; i < terms; ++i)
@@ -128,6 +142,7 @@ struct Tabulation {
       for (int i = 0; i < terms; ++i) sum[k] += value[i] * std::cos(k * node(i)) * (k ? 2. : 1.) / terms;
     }
     const double least = value.cwiseAbs().minCoeff(), most = value.cwiseAbs().maxCoeff();
+    // Against the least value: psi may fall to a small share of its largest within a piece, and relative errors count.
     const bool smooth = sum.tail<3>().cwiseAbs().maxCoeff() < 1e-11 * least && most < 1e3 * least;
     if (!smooth && depth > 0) {
       const double mid = 0.5 * (from + to);
@@ -175,6 +190,7 @@ Mat2 power_derivative(const VonMises& v, double p, const Mat2& s) {
   return 0.5 * p * std::pow(value, 0.5 * p - 1) * (v.share * mean + 3 * (0.5 * (s + s.transpose()) - mean));
 }
 
+// Pieces in y = d^2/(m^2 + d^2), the share of the deviator, from 0 to 1.
 PowerTable tabulate(const VonMises& outer, double p, const Transmission& inside, const VonMises& inner) {
   require_power(outer, p);
   PowerTable table{outer, inner, p, inside, {0}, Eigen::MatrixXd(terms, 0)};
@@ -208,6 +224,7 @@ double exterior(const PowerTable& table, const Mat2& s) {
   return std::pow(size, 0.5 * table.p) * (c[0] - x * b - before);
 }
 
+// w (Phi*(s_in) - Phi(s) - Phi'(s):(s_in - s) + Psi): inside, what was there, first order, outside.
 double local_term(const PowerTable& table, const Mat2& s, double weight) {
   const double mean = 0.5 * s.trace();
   const Mat2 deviator = 0.5 * (s + s.transpose()) - mean * Mat2::Identity();

@@ -1,3 +1,13 @@
+// The value of J = sum f_i I_i^q_i, its derivative by the state, and the adjoint that the expansion of J takes. Terms
+// are of three kinds. Multiples of an energy at the state need no adjoint (energy, misfit, and the compliance where it
+// is -2 times the energy) [theory: A.11, T.6, T.7]: they give `energy_share`, `measured_share`. All others are
+// differentiated, dJ = sum f q I^(q-1) dI [theory: T.8], and one adjoint is solved for their sum, with homogeneous
+// supports in the mixed sign and on the tangent cone of the contact [theory: A.2, A.8, A.15]. With friction the energy
+// has the work of the forces on sliding rows as well [theory: A.17]. Rows with neither gap nor pressure give a unit
+// response each and the matrix S of the openings that these cause [theory: A.12]. All sums go through WholeBody, so
+// that a body in parts has the same numbers on every process. What has no derivative is refused here: J that sees rigid
+// motions, undecided friction, an infinite J. Derived in docs/theory/adjoint.md.
+
 #include "kerf/analysis.hpp"
 
 #include "kerf/recover.hpp"
@@ -23,6 +33,7 @@ Sensitivity scaled(double factor, Sensitivity s) {
 }
 
 // Work of the tractions that the measured displacements replace, on them: of own triangles.
+// <g, u_m> of (T.7).
 double work_on_measured(const Model& m, const Support& measured) {
   const EdgeRule rule = gauss(data_points);
   double work = 0;
@@ -58,6 +69,7 @@ double length_of(const Model& m, const Field& s) {
     if (!is_unilateral(m.scene.laws[c])) continue;
     const std::vector<CrackPoint> profile = crack_profile(m, s, static_cast<Index>(c));
     const std::vector<CrackEdge>& path = m.mesh.cracks[c];
+    // crack_profile has the same number of points on every edge of the path, in its order.
     const std::size_t each = path.empty() ? 1 : profile.size() / path.size();
     for (std::size_t i = 0; i < profile.size(); ++i)
       if (profile[i].status == CrackPoint::Status::Biactive && m.mesh.sides[path[i / each].edge][1] < own_triangles(m))
@@ -66,6 +78,7 @@ double length_of(const Model& m, const Field& s) {
   return length;
 }
 
+// A unit force on each biactive row; what opens under it is a column of S [theory: A.12].
 OneSided one_sided(const Model& m, const Field& state) {
   const std::vector<ContactStatus> status = contact_status(m, state);
   std::vector<Index> unknowns;
@@ -77,6 +90,7 @@ OneSided one_sided(const Model& m, const Field& state) {
   }
   OneSided found;
   if (unknowns.empty()) return found;
+  // S is dense and each of its columns is a solve.
   constexpr std::size_t most = 2000;
   if (unknowns.size() > most)
     throw Error(Fault::Numerics,
@@ -92,10 +106,12 @@ OneSided one_sided(const Model& m, const Field& state) {
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)
       found.opening(k, i) = found.response[static_cast<std::size_t>(i)].skeleton[unknowns[static_cast<std::size_t>(k)]];
+  // S is symmetric by reciprocity; the solves leave rounding.
   found.opening = 0.5 * (found.opening + found.opening.transpose()).eval();
   return found;
 }
 
+// slope_i = dJ . Y_i, Y_i the response to a unit force on row i; summed over the parts of the body.
 std::shared_ptr<const Biactive> biactive(const Model& m, OneSided found, const Sensitivity& dJ, const WholeBody& body) {
   if (found.response.empty()) return nullptr;
   auto b = std::make_shared<Biactive>(Biactive{std::move(found.response), std::move(found.opening), {}});
@@ -110,6 +126,7 @@ std::shared_ptr<const Biactive> biactive(const Model& m, OneSided found, const S
 Undecided undecided(const Model& m, const Field& s, Index crack, const WholeBody& body) {
   const bool here = crack < static_cast<Index>(m.mesh.cracks.size()) && !s.interior.isZero(0);
   const Undecided own = here ? undecided_friction(m, s, crack) : Undecided{};
+  // Five numbers per process; the place told is that of the first process that has one.
   const std::vector<double> all = body.gather({own.length, own.whole, own.at.x(), own.at.y(), own.touches ? 1.0 : 0.0});
   Undecided found;
   for (std::size_t i = 0; i < all.size(); i += 5) {
@@ -148,6 +165,7 @@ void require_friction_decided(const Functional& j, const Model& m, const Field& 
 
 }  // namespace
 
+// l(u) = -2 Pi needs prescribed displacements 0, no eigenstrain and no friction [theory: N.8, H.4, A.17].
 bool has_self_adjoint_work(const Model& m) {
   return m.inner->data.strain.empty() && !has_frictional_cracks(m.scene) &&
          std::all_of(m.inner->skeleton.prescribed.begin(), m.inner->skeleton.prescribed.end(),
@@ -168,6 +186,7 @@ Scene measured_scene(const Scene& scene, const Support& measured) {
 namespace {
 
 // A crack with a pressure that reaches into the ring of a term.
+// The domain integral of G has no term for a pressure on faces inside its ring.
 bool pressed_within(const Term& term, const Model& m) {
   const Mesh& mesh = whole_mesh(m);
   for (std::size_t c = 0; c < mesh.cracks.size(); ++c)
@@ -198,6 +217,7 @@ std::optional<Vec2> overlapping_tip(const Term& term, const Model& m) {
       1e-9 * (mesh.points[static_cast<std::size_t>(first)] - mesh.points[static_cast<std::size_t>(last)]).norm();
   for (const auto& [tip, edge] : {std::pair{first, path.front().edge}, std::pair{last, path.back().edge}}) {
     const Vec2& x = mesh.points[static_cast<std::size_t>(tip)];
+    // A density quadratic in the pressure has a slope that depends on it.
     const auto slope = [&](double pressure) { return term.on_crack({.x = x, .pressure = pressure}).by_pressure; };
     const bool squared = slope(1) != slope(0);
     if (!outer[static_cast<std::size_t>(tip)] && squared && law.gap(x, normal(mesh, edge))[0] < -rounding) return x;
@@ -214,6 +234,7 @@ void require_no_eigenstrain(const Scene& scene) {
                 "leave it out");
 }
 
+// Loads under which a term has no derivative, or not the one that is coded: pressures in a ring, eigenstrains.
 void require_known_loads(const Functional& j, const Model& m) {
   const Scene& scene = m.scene;
   for (const Term& term : j.terms)
@@ -253,6 +274,7 @@ void require_finite(const Functional& j, const Model& m) {
 namespace {
 
 // Pieces that move freely, per piece; empty: all that there is does.
+// A piece is loose where one of its motions has a share in the combinations that no law resists.
 std::vector<bool> loose_pieces(const Model& m) {
   std::vector<bool> loose;
   const Standing& standing = m.inner->standing;
@@ -277,6 +299,8 @@ bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose
   if (term.density && term.uses_displacement)
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
       if (!is_loose(t)) continue;
+      // At the centroid and near the corners, at an arbitrary displacement: a weight may vanish in part of the
+      // triangle.
       std::vector<Vec2> places{centroid(mesh, t)};
       for (const Index v : mesh.triangles[t]) places.push_back(0.9 * mesh.points[v] + 0.1 * places[0]);
       for (const Vec2& x : places)
@@ -287,6 +311,7 @@ bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose
 
 }  // namespace
 
+// Where supports leave no rigid motion all is well; else a term must not see a piece that moves.
 void require_supports(const Functional& j, const Model& model) {
   if (model.inner->floating.empty() && model.inner->standing.slides.cols() == 0) return;
   const std::vector<bool> loose = loose_pieces(model);
@@ -300,6 +325,7 @@ void require_supports(const Functional& j, const Model& model) {
                               term.kind));
 }
 
+// A body in one piece: sums are what they are, and the adjoint is solved here.
 Analysis analyze(const Functional& j, const Model& model, const Field& state, bool value_only) {
   const WholeBody body{
       .sum = [](std::span<double>) {},
@@ -335,6 +361,7 @@ double misfit(const Term& term, const Model& model, const Field& state, const Wh
     throw Error(Fault::Numerics, "the body with the measured displacements could not be solved (misfit)");
   const double value =
       potential_energy(*other, *solved) - work_on_measured(model, *term.measured) - potential_energy(model, state);
+  // J is the energy of the measured body less that of the loaded one: each has its share.
   a.energy_share -= term.factor;
   a.measured_share += term.factor;
   a.measured_model = std::move(other);
@@ -352,11 +379,13 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
     body.sum({&value, 1});
     return value;
   };
+  // Values are known with friction whatever its points do; derivatives only where that is decided.
   const bool friction = has_frictional_cracks(model.scene);
   if (friction && !value_only) require_friction_decided(j, model, state, body);
   if (has_contact(model.scene)) a.biactive_length = summed(length_of(model, state));
   const bool self_adjoint_work = summed(has_self_adjoint_work(model) ? 0 : 1) == 0;
   for (const Term& term : j.terms) {
+    // The decision is the same on all processes: `self_adjoint_work` is a sum over them.
     const bool differentiates = !value_only && !term.measured && !term.energy && !(term.work && self_adjoint_work);
     double value = 0;
     Sensitivity by_state;
@@ -383,6 +412,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
       continue;
     } else if (term.energy) {
       a.energy_share += term.factor;
+      // With friction the state is no minimum of the energy: its derivative by the slips is left.
       if (friction) a.derivative += scaled(term.factor, work_of_slips(state));
     } else {  // work, and self-adjoint
       a.energy_share -= 2 * term.factor;
@@ -391,6 +421,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
   if (!std::isfinite(a.value)) throw Error(Fault::Numerics, "the functional overflows: scale its weights or factors");
   if (value_only || empty(a.derivative)) return a;
   const TangentField adjoint = body.adjoint(a.derivative);
+  // Relative residual of the adjoint's system.
   constexpr double solved = 1e-6;
   if (!(adjoint.residual < solved))
     throw Error(Fault::Numerics, "the adjoint could not be solved for: its residual stays large");

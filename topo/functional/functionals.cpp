@@ -1,3 +1,12 @@
+// The functionals, each as the densities of a Term with their derivatives by the fields. Energy, compliance and misfit
+// name what the solver computes (N.8, T.7). Tracking is 1/2 int w |u - u_d|^2 over the body or a part of the boundary
+// [theory: T.15]; displacement, opening and pressure of a crack are integrals over boundary and faces. The release rate
+// of a tip is a domain integral over a ring [Destuynder, Djaoua 1981; theory: T.24],
+//   G = int s : (grad u grad theta) - 1/2 s : eps div theta - f . (grad u theta),   grad u = A s + Gamma(omega),
+// theta = direction q(r), q = 1 at the tip and 0 beyond the ring. It sees stress and rotation, so that the loads of its
+// adjoint live in the ring. Derived in docs/theory/topological_derivatives.md, sections "Functionals of the
+// displacement and of cracks" and "Energy release rate".
+
 #include "kerf/functional.hpp"
 
 #include <algorithm>
@@ -21,6 +30,7 @@ Term compliance() {
   return {.kind = "compliance", .linear = true, .work = true};
 }
 
+// Its density sees no place, so that no rule is cut for it.
 Term volume() {
   return {.kind = "volume",
           .linear = true,
@@ -33,6 +43,7 @@ Term misfit(Index label, BoundaryField measured) {
   return {.kind = "misfit", .measured = Support{.label = label, .value = std::move(measured)}};
 }
 
+// 1/2 w |u - u_d|^2; without a target u_d = 0, without a weight w = 1.
 Term displacement_tracking(VectorField target, ScalarField weight) {
   const bool varies = target || weight;
   return {.kind = "displacement_tracking",
@@ -46,6 +57,7 @@ Term displacement_tracking(VectorField target, ScalarField weight) {
           .uses_place = varies};
 }
 
+// The same over a part of the boundary, data depending on the normal as well.
 Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight) {
   return {.kind = "boundary_tracking",
           .label = label,
@@ -57,6 +69,7 @@ Term boundary_tracking(Index label, BoundaryField target, BoundaryWeight weight)
           }};
 }
 
+// w d . u, linear: its derivative does not depend on the state.
 Term boundary_displacement(Index label, BoundaryField direction, BoundaryWeight weight) {
   return {.kind = "displacement",
           .linear = true,
@@ -78,6 +91,7 @@ Term crack_opening(Index crack, ScalarField weight) {
           }};
 }
 
+// 1/2 w (p - p_d)^2 over the faces.
 Term crack_pressure(Index crack, ScalarField target, ScalarField weight) {
   return {.kind = "crack_pressure",
           .crack = crack,
@@ -97,6 +111,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
   term.feature_radius = outer;
   term.release_along = along;
   const bool loaded = static_cast<bool>(body);
+  // With a body force q itself counts and the disc inside the ring has a density.
   term.somewhere = [=](const Vec2& center, double radius) {
     const double r = (center - tip).norm();
     return r - radius < outer && (loaded || r + radius > inner);
@@ -106,6 +121,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
     const double r = d.norm();
     if (r >= outer) return Density{};
     const double t = (r - inner) / (outer - inner);
+    // 1 - 10 t^3 + 15 t^4 - 6 t^5 and its slope -30 t^2 (1 - t)^2 over the width of the ring.
     const double q = r <= inner ? 1 : 1 - t * t * t * (10 - 15 * t + 6 * t * t);
     const double slope = r <= inner ? 0 : -30 * t * t * (1 - t) * (1 - t) / (outer - inner);
     // grad theta = along (x) grad q; grad u from the mixed solution.
@@ -122,6 +138,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
     g.value = moved.dot(traction) - 0.5 * s.cwiseProduct(e).sum() * div;
     // By the gradient: traction (x) along; A is symmetric.
     const Mat2 by_gradient = traction * along.transpose();
+    // Through s in s grad q, through grad u = A s in both, and through the energy.
     g.by_stress = moved * grad_q.transpose() + strain(p.material, by_gradient) - div * e;
     g.by_rotation = by_gradient(0, 1) - by_gradient(1, 0);
     if (loaded) {

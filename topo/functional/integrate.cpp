@@ -1,3 +1,13 @@
+// Integrals of a Term over body, boundary and crack, their derivative by the unknowns, and their change.
+//   I = int_body j(x, s, u*, omega) + int_label b(x, n, m) ds + int_crack c(x, [m]_n, p) ds
+// s and omega are the element's own, u* is recovered [theory: R.1], m the trace, pressures are forces over lengths at
+// the Gauss points of the trace. The derivative is exact for the quadrature of the value: densities are differentiated
+// at the same points and go back through the transposes of the evaluations, u* through that of its recovery. Changes of
+// J by a change of the state are summed density by density, j(z + w) - j(z), so that small ones keep their digits
+// [theory: V.6]. Beside a singular field in closed form, triangles and edges are divided until they are small against
+// their distance from it [theory: T.30]. Of a part of a body all triangles are evaluated and own ones summed, in the
+// order of the triangles: no sum depends on the number of threads.
+
 #include "topo/functional/integrate.hpp"
 #include "kerf/adjoint.hpp"
 #include "solver/recovery.hpp"
@@ -27,6 +37,7 @@ struct InTriangle {
   const Points& x;
   double eigenstrain = 0;  // Field::eigenstrain
 };
+// Fields that the term does not use stay empty.
 Sampled sample(const Term& term, const Model& m, const Eigen::Ref<const Eigen::VectorXd>& interior,
                const InTriangle& at) {
   Sampled p{at.x, material_of(m.mesh, m.scene, at.t)};
@@ -75,6 +86,7 @@ struct BoundaryPoint {
     return frame_at(skeleton, edge, static_cast<int>(g));
   }
 };
+// n is the unit normal of the curve at the point, the weight includes |dx/ds|.
 void along_label(const Term& term, const Model& m, const std::function<void(const BoundaryPoint&)>& at,
                  const Vec2* singular = nullptr) {
   require(m.element, can_integrate_boundaries);
@@ -104,6 +116,7 @@ struct JumpPoint {
   double share;  // of the crack's length
   Index edge, unknown;
 };
+// At the Gauss points of the trace, where jump and force are unknowns; edges without a jump are left out.
 void along_crack(const Model& m, Index crack, const std::function<void(const JumpPoint&)>& at) {
   for (const CrackEdge& c : m.mesh.cracks[crack]) {
     if (m.inner->skeleton.jump[c.edge] == none) continue;
@@ -125,6 +138,7 @@ Field sum(const Field& a, const Field& b) {
   return s;
 }
 
+// Degree of the usual rule, or the points of a divided triangle where data vary.
 double over_body(const Term& term, const Model& m, const Field& s, const std::vector<bool>& use) {
   const TriangleRule usual = domain_rule(m);
   const RulesOfTerm rules(term, m);
@@ -164,6 +178,8 @@ void divide(const Triangle& shape, double share, const Singular& added, const Tr
   double size = 0;
   for (const Vec2& x : shape.x) size = std::max(size, (x - center).norm());
   const double away = (center - added.center).norm();
+  // A triangle is whole enough when its size is a quarter of its distance from the center; or inside the disc, which is
+  // no part of the body; or an eighth of the disc's radius, for those that its rim cuts.
   constexpr double far = 4, fine = 0.125;
   if (away > far * size || away + size < added.radius || size < fine * added.radius) {
     const Points x = rule_points(rule, shape);
@@ -176,6 +192,7 @@ void divide(const Triangle& shape, double share, const Singular& added, const Tr
   const std::array<Vec2, 3> middle = {0.5 * (shape.x[1] + shape.x[2]), 0.5 * (shape.x[2] + shape.x[0]),
                                       0.5 * (shape.x[0] + shape.x[1])};
   Triangle part = shape;
+  // The middle triangle and one at each corner, a quarter of the area each.
   part.x = middle;
   divide(part, 0.25 * share, added, rule, points);
   for (int i = 0; i < 3; ++i) {
@@ -195,6 +212,7 @@ void bend(const Triangle& shape, const Triangle& chords, Divided& points) {
 
 }  // namespace
 
+// Pieces about as long as the distance; 64 where the point lies on the edge.
 int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b) {
   const Vec2 side = b - a;
   const double along = foot(singular, a, b);
@@ -202,6 +220,7 @@ int pieces_beside(const Vec2& singular, const Vec2& a, const Vec2& b) {
   return static_cast<int>(std::clamp(std::ceil(side.norm() / (singular - a - along * side).norm()), 1.0, most));
 }
 
+// A power below 1 has no slope at 0: the norm of nothing counts as constant.
 double slope(const Term& term, double integral) {
   if (term.power == 1) return term.factor;
   return integral > 0 ? term.factor * term.power * std::pow(integral, term.power - 1) : 0;
@@ -220,6 +239,7 @@ double integral(const Term& term, const Model& m, const Field& s) {
 namespace {
 
 // The domain integral over a triangle; its derivative by the interior coefficients goes to `column`.
+// w are the weights of the fields at the points: share of the area times the derivative of the density.
 double differentiate_on(const Term& term, const Model& m, const Field& s, const RulesOfTerm& rules,
                         const TriangleRule& usual, Index t, Eigen::Ref<Eigen::VectorXd> column) {
   const Triangle shape = triangle(m, t);
@@ -269,6 +289,7 @@ void differentiate_on_surfaces(const Term& term, const Model& m, const Field& s,
   }
 }
 
+// The work of the loads is linear: its derivative is the loads, on the trace and on the displacements of triangles.
 Sensitivity derivative_of_work(const Model& m) {
   Sensitivity d;
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -282,6 +303,7 @@ Sensitivity derivative_of_work(const Model& m) {
   return d;
 }
 
+// A density that sees no field has an integral and no derivative.
 bool has_domain_derivative(const Term& term) {
   return !term.work && term.density && (term.uses_stress || term.uses_displacement || term.uses_rotation);
 }
@@ -316,6 +338,7 @@ Differentiated differentiated(const Term& term, const Model& m, const Field& s) 
   return d;
 }
 
+// Linear densities could take the change alone; this holds for all.
 double surface_difference(const Term& term, const Model& m, const Field& s, const Field& change) {
   double total = 0;
   if (term.on_boundary || term.on_crack) {
@@ -354,6 +377,7 @@ double mean_change(const Term& term, const Sampled& state, const Sampled& change
 
 }  // namespace
 
+// Of many changes of one triangle, by a rule of degree 5: the state is evaluated once.
 Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Index t, const Eigen::MatrixXd& changes) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(changes.cols());
   const Triangle shape = triangle(m, t);
@@ -369,6 +393,7 @@ Eigen::VectorXd changes_on(const Term& term, const Model& m, const Field& s, Ind
   return sum;
 }
 
+// j(z + w) - j(z) - j'(z) w at the centroid: what is left beyond first order.
 Eigen::VectorXd second_order(const Term& term, const Model& m, const Field& s, Index t,
                              const Eigen::MatrixXd& changes) {
   Eigen::VectorXd rest = Eigen::VectorXd::Zero(changes.cols());
@@ -394,6 +419,7 @@ Eigen::VectorXd second_order(const Term& term, const Model& m, const Field& s, I
   return rest;
 }
 
+// Densities that see no field do not change.
 double domain_difference(const Term& term, const Model& m, const Field& s, const Field& change,
                          const std::vector<bool>& use) {
   double total = 0;
@@ -413,6 +439,7 @@ double domain_difference(const Term& term, const Model& m, const Field& s, const
   return total;
 }
 
+// Inside the disc of the singular field there is no body after the change: only what was there counts, negatively.
 double difference(const Term& term, const Model& m, const Field& s, const Field& change, const Singular& added) {
   double total = 0;
   if (term.density) {

@@ -1,3 +1,6 @@
+// J as energies plus the work of loads, for bounds [theory: B.27]: what J weighs a displacement or an opening with
+// becomes the loads of a second scene, whose solution is the adjoint.
+
 #include "topo/functional/linear.hpp"
 
 #include "solver/at_rest.hpp"
@@ -46,6 +49,7 @@ void add_weights(double factor, const Term& term, Scene& loads) {
   });
 }
 
+// Energies, works and misfits are known; of the rest, first powers of what is linear in displacement and opening.
 std::string unknown(const Term& term) {
   if (term.energy || term.work || term.measured) return {};
   if (term.power != 1) return fmt::format("no bounds: \"{}\" is the power of an integral", term.kind);
@@ -59,6 +63,8 @@ std::string unknown(const Term& term) {
 
 }  // namespace
 
+// `dual_share` is the factor of the first such term, so that its loads are taken as they are, with what is known of
+// them for enclosures; the others are multiples of it.
 LinearParts linear_parts(const Functional& j, const Model& m) {
   LinearParts parts;
   const bool self_adjoint = has_self_adjoint_work(m);

@@ -1,4 +1,10 @@
-// Rules of triangles and edges, cut where the enclosures of data leave too much of their integrals.
+// Where the integrals of a term look. Weights, targets and directions may vary within a triangle or an edge more than a
+// rule of fixed degree sees; where they are expressions, interval arithmetic encloses what the points may miss [Moore
+// 1966; theory: D.2, D.4]. A piece has, per component of each datum, the integral of its size by the points and the
+// enclosure of what is missed. Of the component with the largest missed share the piece that misses most is cut
+// (triangles in four, edges at the places where an expression is not smooth or in half), until less than 1e-4 of each
+// integral over the triangle or edge is missed, or 120 cells or 300 spans were looked at. `missed` tells what is left
+// over the whole body, for a note. Derived in docs/theory/data.md.
 
 #include "topo/functional/places.hpp"
 
@@ -24,6 +30,8 @@ struct Datum {
   Vec2 nothing = Vec2::Zero();
 };
 template <typename Field>
+// Data that are expressions; for others nothing is known between points. Values below 1e-13 of the largest are
+// rounding.
 std::vector<Datum<Field>> data_of(const std::vector<Field>& fields, const Mesh& mesh) {
   std::vector<Datum<Field>> data;
   for (const Field& f : fields)
@@ -70,6 +78,7 @@ void cut_until_seen(std::vector<Piece>& pieces, int most, const Cut& cut) {
         largest = size > 0 ? error / size : infinity;
         worst = at;
         worst_of = i;
+        // A datum that the points do not see at all, or whose enclosure is infinite, is cut first.
         if (largest == infinity) break;
       }
     }
@@ -91,9 +100,11 @@ struct CellOfData : PieceOfData {
   }
 };
 
+// Cells of one triangle in barycentric coordinates, cut until the points see the data.
 class Cells {
  public:
   Cells(const std::vector<Datum<VectorField>>& data, const Triangle& shape) : shape_(shape), data_(data) {
+    // A curved triangle lies within the box of its chords widened by what its sides bend.
     for (const Bow* bow : shape.bow)
       if (bow)
         for (const Vec2& q : bow->q) beyond_ += 0.25 * q.norm();  // products of two coordinates are 1/4 at most
@@ -109,6 +120,7 @@ class Cells {
   }
 
  private:
+  // Four similar cells; nothing where they would be smaller than rounding.
   std::vector<CellOfData> parts(const CellOfData& c) const {
     constexpr double finest = 1e-12;
     std::vector<CellOfData> four;
@@ -120,6 +132,7 @@ class Cells {
     return four;
   }
 
+  // Size by the rule of degree 5; what it may miss by enclosures over the box of the cell.
   void look(CellOfData& c) const {
     static const TriangleRule rule = triangle_rule(5);
     const auto place = [&](const Vec2& l) -> Vec2 {
@@ -157,6 +170,7 @@ struct SpanOfData : PieceOfData {
   std::optional<Interval> cut = {};
 };
 
+// Parts of one edge, in shares of its length.
 class Spans {
  public:
   Spans(const std::vector<Datum<BoundaryField>>& data, const Model& m, Index edge)
@@ -190,6 +204,7 @@ class Spans {
   }
 
  private:
+  // Where an expression has a kink or jump its place is known as an interval: cut on both sides of that, else in half.
   std::vector<SpanOfData> parts(const SpanOfData& s) const {
     constexpr double finest = 0x1p-48;
     std::vector<double> ends{s.from, 0.5 * (s.from + s.to), s.to};
@@ -210,6 +225,7 @@ class Spans {
     return f(line_.a + s * (line_.b - line_.a), line_.n);
   }
 
+  // What eight points may miss follows from an enclosure of the eighth derivative.
   void look(SpanOfData& s) const {
     static const EdgeRule rule = gauss(data_points);
     const double h = s.to - s.from;
@@ -221,6 +237,7 @@ class Spans {
         size += h * rule.w[q] * value(*f, s.from + h * rule.s[q]).cwiseAbs();
       for (int d = 0; d < components; ++d) {
         const auto& [low, high] = known.value[static_cast<std::size_t>(d)];
+        // The enclosure of values bounds the error as well: on short spans it may be the smaller one.
         const double left = std::min(left_by_interpolation(known.eighth[static_cast<std::size_t>(d)], h), high - low);
         s.size.push_back(size[d]);
         s.error.push_back(left <= nothing[d] ? 0 : std::isfinite(left) ? 2 * h * left : infinity);
@@ -241,6 +258,7 @@ Vec2 middle(const Mesh& mesh, Index edge) {
 class MissedShare {
  public:
   template <typename Piece>
+  // Sums per component, and the triangle or edge that misses most of it.
   void add(const std::vector<Piece>& pieces, double measure, const Vec2& at) {
     std::vector<double> here(pieces[0].size.size(), 0);
     size_.resize(here.size(), 0);
@@ -274,6 +292,7 @@ TriangleRule domain_rule(const Model& m) {
   return triangle_rule(8 + m.element.displacement);
 }
 
+// By the circle around the triangle.
 bool wanted(const Term& term, const Triangle& t) {
   if (!term.somewhere) return true;
   const Vec2 center = centroid(t);
@@ -295,6 +314,7 @@ RulesOfTerm::RulesOfTerm(const Term& term, const Model& m)
 
 RulesOfTerm::~RulesOfTerm() = default;
 
+// Nothing where the usual rule sees enough.
 std::optional<TriangleRule> RulesOfTerm::cut(Index t) const {
   if (data_->in_body.empty()) return std::nullopt;
   const Triangle shape = triangle(data_->model, t);
@@ -318,6 +338,7 @@ std::optional<TriangleRule> RulesOfTerm::cut(Index t) const {
   return all;
 }
 
+// The Gauss points of every span, ordered along the edge.
 EdgeRule RulesOfTerm::along(Index edge, int pieces) const {
   static const EdgeRule rule = gauss(data_points);
   const std::vector<SpanOfData> spans = Spans(data_->along, data_->model, edge).spans(pieces);

@@ -1,3 +1,10 @@
+// J = int w V^(p/2) of the von Mises stress and its p-norm (int w V^(p/2))^(1/p): density, derivative, and what a small
+// change does to the density around itself [Amstutz, Novotny 2010; theory: T.17, T.18, T.19, T.34]. The local term is
+// local_term of von_mises.hpp for circles; (p - 1) Phi + Psi for ellipses, Psi alone for cracks, open or closed, with
+// Psi of exterior.hpp. Both are tables that depend on the material and the shape, not on the point: made once, shared
+// by copies of the term and by threads. Clamped holes are refused: the stress around them is not integrable to a power.
+// Derived in docs/theory/topological_derivatives.md, section "Functionals of the stress".
+
 #include "kerf/functional.hpp"
 #include "topo/formulas/exterior.hpp"
 #include "topo/formulas/kind.hpp"
@@ -31,6 +38,7 @@ class Tables {
   }
 
  private:
+  // References stay valid: a map does not move its entries. A table is made under the lock, so that it is made once.
   template <class Key, class Table, class Make>
   const Table& found(std::map<Key, Table>& tables, const Key& key, const Make& make) {
     const std::scoped_lock lock(mutex_);
@@ -52,6 +60,7 @@ double around(Tables& tables, double p, const Perturbation& change, const FieldP
                   "functionals of the stress have no expansion for clamped holes, around which the stress is singular; "
                   "use another perturbation");
     case Becomes::Slit: {
+      // Open or closed as the stress of the state presses the faces.
       const Vec2 n(-std::sin(*change.angle), std::cos(*change.angle));
       const CutShape cut{n.dot(at.stress * n) > 0 ? CutShape::Kind::Open : CutShape::Kind::Closed};
       return exterior(tables.cut(cut, at.material), at.stress, *change.angle);
@@ -69,6 +78,7 @@ double around(Tables& tables, double p, const Perturbation& change, const FieldP
 
 }  // namespace
 
+// Copies of the term share the tables of its local part.
 Term stress_power(double p, ScalarField weight, bool plane_strain) {
   Term term{.kind = "stress_power"};
   term.uses_stress = true;

@@ -1,3 +1,9 @@
+// Names of units: of every result as stress^a length^b per unit thickness, written with a force where the unit of
+// stress times that of length squared has a name. Inputs have no units: the case names those of stress and length and
+// results repeat them, so that nothing is converted. The dimension of each functional follows from its integral (a
+// functional of the displacement over the boundary is a length squared, a power p of the stress over the body stress^p
+// length^2). Young's modulus is compared with what solids have, for a note on a mistaken unit.
+
 #include "kerf/units.hpp"
 
 #include <fmt/format.h>
@@ -53,6 +59,7 @@ std::string unit(const Units& units, const Dimension& of) {
   return product(power(units.stress, of.stress), power(units.length, of.length));
 }
 
+// Of a plate of given thickness: one length more.
 std::string unit_of_plate(const Units& units, const Dimension& of) {
   if (!units.given()) return "";
   const double length = of.length + 1;
@@ -61,6 +68,7 @@ std::string unit_of_plate(const Units& units, const Dimension& of) {
   return product(power(units.stress, of.stress), power(units.length, length));
 }
 
+// Of a single functional; nothing is told of sums.
 std::optional<Dimension> dimension_of(const Functional& j) {
   if (j.sum || j.terms.empty()) return std::nullopt;
   const Term& term = j.terms.front();
@@ -88,6 +96,7 @@ Dimension per_area(const Dimension& j) {
   return {j.stress, j.length - 2};
 }
 
+// By the first unit of that name; pascals per unit do not depend on the length.
 std::string implausible(const Units& units, double young) {
   const auto found = std::ranges::find(stresses, units.stress, &Stress::name);
   if (found == stresses.end()) return "";

@@ -1,3 +1,10 @@
+// Maps of clamped holes of a body that several processes hold in parts. The regular part of Green's tensor, w_j of
+// (T.28), is an answer of the whole body and as smooth as the distance to its sides, so that the first process computes
+// it on the mesh before the division: samples for the map everywhere [theory: T.31, T.32] and the value itself at the
+// listed points. It is packed into bytes, and every process evaluates M F = u(x0) [theory: T.29] with the displacements
+// of its own part. Functionals that need an integral of G + w over the body per point are refused. Derived in
+// docs/theory/topological_derivatives.md, section "Clamped holes".
+
 #include "topo/clamped_parts.hpp"
 
 #include "base/packer.hpp"
@@ -32,7 +39,7 @@ static void fields(Visit& visit, T& green) {
 
 namespace {
 
-/// The walls are what no sample is seen through.
+/// Barriers are the walls' segments and are not sent.
 void set_barriers(GreenSamples& g) {
   for (const auto& alike : g.walls)
     for (const Wall& w : alike) g.barriers.emplace_back(w.a, w.b);
@@ -51,6 +58,7 @@ GreenOfBody::Tensor tensor_of(const Model& m, const Field& s, double eps, std::s
 
 }  // namespace
 
+// Samples are taken at centroids that the mask leaves free: nearer to a feature no map asks for the tensor.
 std::shared_ptr<const GreenOfBody> green_of_body(const Analysis& a, const Functional& j, const MapRequest& r,
                                                  std::span<const Vec2> points) {
   const Model& m = *a.model;
@@ -73,6 +81,7 @@ std::shared_ptr<const GreenOfBody> green_of_body(const Analysis& a, const Functi
   return green;
 }
 
+// Listed points are compared bit by bit: all processes have them from the same case.
 Mat2 GreenOfBody::regular(const Tensor& tensor, const Vec2& x) const {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i] == x) return tensor.at[i];
@@ -94,6 +103,7 @@ std::shared_ptr<const GreenOfBody> green_from(std::string_view packed) {
   return green;
 }
 
+// The analysis may share its fields: they are copied, and the tensor put beside them.
 void take_green(std::shared_ptr<const GreenOfBody> green, Analysis& a) {
   auto fields = a.fields ? std::make_shared<MapFields>(*a.fields) : std::make_shared<MapFields>();
   fields->green = std::move(green);

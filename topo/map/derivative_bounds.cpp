@@ -1,3 +1,13 @@
+// Intervals of the topological derivative at points, from intervals of stresses [theory: B.27]. For circles
+//   form(s, t) = A tr s tr t + B (d_s d_t + q_s q_t),   d half the difference, q the shear,
+// a sum of products of scalars m of the state and n of the adjoint, and T = form(sigma, zeta - w/2 sigma) + local, w
+// the share of the energy, is a sum over the three scalars of factor (m n - w/2 m^2). Over the rectangle of the
+// intervals of m and n that is linear in n and quadratic in m: its extremes lie at the ends of n and at the ends of m
+// or the vertex. The adjoint is a state of its own, under the loads that J weighs (topo/functional/linear.cpp), and a
+// misfit has a third body; each gets bounds of its stresses at the points. Displacements have no bounds at a point:
+// what needs them (a body force that goes with a hole, a density of the displacement) is refused. Derived in
+// docs/theory/bounds.md; what is assumed is in docs/theory/guarantees.md.
+
 #include "kerf/derivative_bounds.hpp"
 
 #include "kerf/adaptive.hpp"
@@ -27,6 +37,7 @@ struct Other {
         bounds(model, state, with_indicators) {}
 };
 
+// What (B.27) does not cover: strains and forces that go with the hole, other shapes, an adjoint on a tangent cone.
 std::string refused(const Scene& scene, const Perturbation& p, bool has_adjoint) {
   if (has_eigenstrain(scene)) return "no bounds: there is an eigenstrain";
   if (scene.body && removes_body(p))
@@ -63,6 +74,8 @@ std::array<const Bounded*, parts> parts_of(const StressBounds& s) {
 }
 
 /// Of circles, form(s, t) = A trace trace + B (difference difference + shear shear).
+/// form(I, I) = A tr I tr I = 4 A; form of diag(1, -1) with itself is B times the square of half the difference, which
+/// is 1.
 std::array<double, parts> factors_of(const Perturbation& p, const Material& m) {
   Mat2 apart = Mat2::Zero();
   apart.diagonal() << 1, -1;
@@ -76,6 +89,7 @@ Bounded lost(std::string why) {
 
 }  // namespace
 
+// J as shares of energies and works, the bodies that these need beside the state's, and why there are no bounds.
 struct DerivativeBounds::Impl {
   Functional j;
   Perturbation p;
@@ -85,6 +99,7 @@ struct DerivativeBounds::Impl {
   std::string why;
   std::unique_ptr<const Other> dual, measured;
 
+  // An error of the other body leaves no bounds for J; it does not end the run.
   void prepare_others() {
     why = of.why.empty() ? refused(m.scene, p, of.loads.has_value()) : of.why;
     if (!why.empty()) return;
@@ -136,6 +151,7 @@ struct DerivativeBounds::Impl {
     return t;
   }
 
+  // The interval is guaranteed where all that it is made of is; the first note of the parts is kept.
   Bounded interval(const Material& material, const StressBounds& state, const StressBounds* adjoint,
                    const StressBounds* other) const {
     const std::array<double, parts> factor = factors_of(p, material);
@@ -145,10 +161,12 @@ struct DerivativeBounds::Impl {
       if (t.note.empty()) t.note = b.note;
     };
     const auto add = [&](double share, const Interval& i) {
+      // A negative factor turns the interval round.
       t.lower += share * (share > 0 ? i.low : i.high);
       t.upper += share * (share > 0 ? i.high : i.low);
     };
     for (int i = 0; i < parts; ++i) {
+      // factor (share_z m n - share/2 m^2), m of the state, n of the adjoint.
       const Bounded& s = *parts_of(state)[i];
       rely_on(s);
       Interval with{0, 0};
@@ -179,6 +197,7 @@ Bounded DerivativeBounds::at(const Vec2& x, StressBounds& s) const {
   return t;
 }
 
+// All points at once: every body is asked a single time.
 std::vector<Bounded> DerivativeBounds::at(const std::vector<Vec2>& x, std::vector<StressBounds>& s) const {
   const Impl& of = *impl_;
   if (!of.why.empty()) return std::vector<Bounded>(x.size(), lost(of.why));

@@ -1,3 +1,5 @@
+// Recovered stresses of all fields of an expansion in one pass, and T at a point from them [theory: R.2, R.3, T.4].
+
 #include "topo/map/fields.hpp"
 #include "solver/system.hpp"
 #include "topo/analysis.hpp"
@@ -6,6 +8,7 @@
 
 namespace kerf {
 
+// State and measured body are recovered in equilibrium with the body force; adjoints and openings without one.
 std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corners, const std::vector<bool>& wanted) {
   const Model& m = *a.model;
   auto f = std::make_shared<MapFields>();
@@ -17,6 +20,7 @@ std::shared_ptr<const MapFields> recover_fields(const Analysis& a, Corners corne
   if (a.biactive)
     for (const Field& y : a.biactive->response) fields.push_back({m, y});
   std::vector<RecoveredStress> found = recover_stresses(fields, f->corners, f->singular, wanted);
+  // `recovered` is indexed by FieldOf::number: an absent adjoint or misfit keeps its place, the openings follow.
   auto next = found.begin();
   const auto place = [&](bool there) {
     if (there)
@@ -35,6 +39,7 @@ Vec2 displacement_at(const Model& m, const Field& s, Index t, const Vec2& x, boo
   return recovered ? Vec2(recovered_displacement(m, s, t, x).col(0)) : Vec2(evaluate(m, s, t, x).displacement.col(0));
 }
 
+// Only what the expansion asks for is evaluated.
 PointValues values_at(const Expansion& e, const MapFields& f, Index t, const Vec2& x) {
   PointValues v = point_values(
       e,

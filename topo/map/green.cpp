@@ -1,3 +1,14 @@
+// The Green tensor of a body and the prediction for a small clamped hole of radius eps, where J changes like
+// 1/ln(1/eps) and a leading term alone is off by factors [theory: T.28, T.29, T.30, T.37].
+//  G(. - x0) e_j + w_j: Kelvin's field, singular, plus the regular answer of the body, Hreg = w(x0);
+//  M F = u(x0),   M = flexibility (kappa ln(1/eps) + 1/2) I + Hreg,   F the force on the clamp;
+//  energies change by 1/2 u.F, J linear in the state by -p.F, others by J(u - (G + w) F) - J(u).
+// The last is integrated with the triangles around x0 divided until they resolve the singularity. With Coulomb's
+// friction the forces on sliding faces change as well and the energy gets 1/2 sum dp_t dj_t. Contact stays as it is in
+// the state, so that functionals of a crack that see nothing else are refused where F would close or part its faces. A
+// map everywhere interpolates Hreg (topo/map/green_samples.cpp) and is offered where no term needs w itself. Derived in
+// docs/theory/topological_derivatives.md, section "Clamped holes".
+
 #include "topo/map/green.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
@@ -23,6 +34,8 @@ namespace kerf {
 
 namespace {
 
+// What has no Green tensor here is refused: Kelvin's field knows one isotropic material; a body without supports would
+// be held by the hole alone; biactive faces answer one-sidedly, so that w would not be linear in F.
 TangentCone cone_of(const Model& m, const Field& s) {
   const auto refuse = [](const char* why) { throw Error(Fault::Usage, std::string("a clamped hole: ") + why); };
   require(m.element, can_clamp_holes);
@@ -67,6 +80,7 @@ bool sees_contact(const Model& m, const Term& t) {
 
 // The share of a crack where a clamp that takes the displacement u away by the force F, with contact as it was, lets
 // faces overlap or pull at each other.
+// Overlaps count against the displacement that is taken away, pulls against F spread over the crack.
 double share_of_false_contact(const Model& m, const Field& clamped, Index crack, const Vec2& u, const Vec2& F) {
   double whole = 0, wrong = 0;
   const std::vector<CrackPoint> profile = crack_profile(m, clamped, crack);
@@ -79,6 +93,8 @@ double share_of_false_contact(const Model& m, const Field& clamped, Index crack,
 
 }  // namespace
 
+// A hole with a series never does. An energy does with Coulomb's friction, where its change takes the field w [theory:
+// T.37].
 bool needs_points(const Model& m, const Functional& j, const Perturbation& p) {
   const bool coulomb = has_coulomb(m.scene);
   return !has_series(p) && std::ranges::any_of(j.terms, [&](const Term& t) {
@@ -100,6 +116,8 @@ std::vector<Nucleus> unit_forces(const Material& material, const Vec2& x0) {
 
 }  // namespace
 
+// All samples at once are read without refinement [theory: T.38]. The first one is solved for wholly as well; where the
+// two differ, none of the batch is believed and each is solved for.
 std::vector<Mat2> GreenTensor::regular_at(std::span<const Vec2> x, std::span<const Index> t, double enough) {
   std::vector<Mat2> all;
   std::vector<BodyReply::Singularity> many;
@@ -118,6 +136,7 @@ std::vector<Mat2> GreenTensor::regular_at(std::span<const Vec2> x, std::span<con
   return all;
 }
 
+// Column j is the reply to a unit force along axis j; whole fields only where they are asked for.
 Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
   const std::vector<Nucleus> forces = unit_forces(material_of(model_.mesh, model_.scene, t), x0);
   const std::array<Index, 1> here = {t};
@@ -125,6 +144,7 @@ Green GreenTensor::at(const Vec2& x0, Index t, bool fields, double enough) {
       reply_.to(x0, forces, fields ? std::span<const Index>() : std::span<const Index>(here), enough);
   Green green;
   for (int j = 0; j < 2; ++j) {
+    // Samples stop at a residual of 1e-7 (`enough`); above 1e-4 there is no solution.
     TangentField& w = replies[static_cast<std::size_t>(j)];
     constexpr double solved = 1e-4;
     if (!(w.residual < solved))
@@ -140,6 +160,8 @@ namespace {
 // What the predictions at all points share.
 class Clamped {
  public:
+  // Sorts the terms of J: energies by their shares; terms linear in the state by one adjoint of their sum; all others
+  // are inserted. Where all terms with an adjoint are linear it is the adjoint of the analysis.
   Clamped(const Analysis& a, const Functional& j, double eps) : a_(a), j_(j), eps_(eps) {
     if (!(eps > 0)) throw Error(Fault::Usage, "the map of a clamped hole needs the radius of the hole ([map] radius)");
     Sensitivity linear;
@@ -189,6 +211,7 @@ class Clamped {
 
   // `sized`: with the size, else it is NaN.
   ClampedChange change(const Vec2& x, Index t, const Green& green, const Mat2* measured, bool sized) const {
+    // Where M is not definite the radius is too large for the body there: NaN.
     const Material& material = material_of(a_.model->mesh, a_.model->scene, t);
     if (!admits_clamp(clamped_matrix(material, eps_, green.regular))) return {};
     ClampedChange sum{0, sized ? 0 : nan};
@@ -206,16 +229,20 @@ class Clamped {
     }
     if (adjoint_) add(-F.dot(displacement_at(*a_.model, *adjoint_, t, x, true)));
     for (const Term& term : j_.terms)
+      // A linear density loses its value in the disc, to leading order.
       if (term.linear && term.density) add(-pi * eps_ * eps_ * term.factor * term.density({.x = x}).value);
     if (!inserts()) return sum;
     const Field put = change_of(green, F);
     refuse_moving_contact(x, put, u, F);
+    // 1/2 sum dp_t dj_t of the sliding rows [theory: T.37].
     if (rubs_) add(0.5 * a_.energy_share * put.force.dot(put.skeleton));
     const double forth = inserted(x, material, put, F);
     if (!sized) {
       sum.value += forth;
       return sum;
     }
+    // With F and -F the odd and the even part in the field put in come apart: their sizes, not their sum, say what the
+    // prediction may be off by.
     const double back = inserted(x, material, change_of(green, -F), -F);
     add(0.5 * (forth - back));
     add(0.5 * (forth + back));
@@ -252,6 +279,7 @@ class Clamped {
   }
 
   // J of u - (G + w) F against J of u, term by term.
+  // A power of an integral changes by (I + dI)^q - I^q, not by its slope: dI is no small number here.
   double inserted(const Vec2& x0, const Material& material, const Field& change, const Vec2& F) const {
     const Singular kelvins{x0, eps_, [&](const Vec2& x) { return minus_kelvin(material, x - x0, F); }};
     double sum = 0;
@@ -283,6 +311,7 @@ class Clamped {
 
 namespace {
 
+// Points outside, or masked, keep what ClampedChange begins with.
 std::vector<ClampedChange> changes_at(const Analysis& a, const Functional& j, double eps, std::span<const Vec2> points,
                                       bool sized) {
   const Clamped predicted(a, j, eps);
@@ -318,6 +347,7 @@ ClampedChange clamped_change(const Analysis& a, const Functional& j, double eps,
   return changes_at(a, j, eps, std::span(&point, 1), true).front();
 }
 
+// Tensors are interpolated, displacements are those of the point itself.
 ClampedMap clamped_everywhere(const Analysis& a, const Functional& j, double eps, const Candidates& points) {
   const Clamped predicted(a, j, eps);
   if (predicted.inserts())

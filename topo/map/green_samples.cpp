@@ -1,3 +1,13 @@
+// The regular part Hreg(x) of the Green tensor over a body from at most 400 solves [theory: T.31, T.32]. Towards a side
+// Hreg grows like the logarithm of the distance, with one coefficient per direction that the half plane tells: a
+// support, a roller, a free side, a closed crack. The sum over kinds of walls of
+//   ln(delta) (times_1 a a' + times_2 b b'),   delta = (1/2 int ds/|x - y|^3 over the walls of that kind)^(-1/2),
+// a and b the axes of the walls' frames, is taken out of the samples: delta is the distance beside a straight side and
+// smooth inside. The rest is interpolated by moving least squares with cubics over the nearest samples that no wall
+// hides. Each next sample is the candidate farthest from all samples in units of its distance to tips and corners, or
+// of three times that to the sides, beside which the rest is smooth. Sampling ends where the next batch is predicted
+// well enough for M^-1 Hreg, M of (T.29). Derived in docs/theory/topological_derivatives.md, section "Clamped holes".
+
 #include "topo/map/green_samples.hpp"
 #include "solver/system.hpp"
 
@@ -41,6 +51,8 @@ Coefficients coefficients(const Material& m) {
   return {f * k, -f * k, -0.5 * f * (k * k + 1), -0.25 * f * (k - 1) * (k - 1), -0.25 * f * (k + 1) * (k + 1)};
 }
 
+// Edges of the boundary and of cracks that may move, grouped by their coefficients. On a support the frame of the edge
+// tells which component is held; an edge with one held component is a roller along the other.
 std::vector<std::vector<Wall>> find_walls(const Model& m, const Field& s, const Coefficients& c) {
   std::vector<std::vector<Wall>> walls;
   const auto add = [&](const Wall& w) {
@@ -63,6 +75,8 @@ std::vector<std::vector<Wall>> find_walls(const Model& m, const Field& s, const 
       const double other = held[0] || held[1] ? c.roller : c.free;
       add({a, b, axes, {held[0] ? c.fixed : other, held[1] ? c.fixed : other}});
     } else if (m.mesh.crack[e] != none && m.scene.laws[m.mesh.crack[e]].kind != CrackLaw::Kind::Bonded) {
+      // `shut` counts normal rows that are tied. per_edge/2 points lie on an edge: closed where more than half of them
+      // are.
       int shut = 0;
       for (int k = 0; k < m.inner->skeleton.per_edge; k += 2) {
         const Index row = m.inner->ordering.row[m.inner->skeleton.jump[e] + k];
@@ -110,7 +124,10 @@ std::vector<Vec2> find_points(const std::vector<std::vector<Wall>>& walls) {
 
 }  // namespace
 
+// sum over kinds of ln(delta) (t_2 I + (t_1 - t_2) <a a'>).
 Mat2 wall_logarithms(const std::vector<std::vector<Wall>>& walls, const Vec2& x) {
+  // The direction of a group of walls is the mean of a a' with the weights of delta: sharp beside a side, isotropic far
+  // away.
   Mat2 sum = Mat2::Zero();
   for (const auto& alike : walls) {
     Mat2 first = Mat2::Zero();
@@ -143,6 +160,7 @@ GreenSamples sample_green(const Model& m, const Field& s, double eps, std::span<
     scale[i] = beside_walls * wall_distance(g.walls, candidates[i]);
     for (const Vec2& p : points) scale[i] = std::min(scale[i], (candidates[i] - p).norm());
   }
+  // `accurate` is of M^-1 Hreg, which has no unit. The first 60 samples are not predicted; 400 bound the cost.
   constexpr double accurate = 5e-4, residual = 1e-7;
   constexpr std::size_t most = 400, batch = 20, least = 60;
   bool covered = false;
@@ -176,6 +194,8 @@ GreenSamples sample_green(const Model& m, const Field& s, double eps, std::span<
   return g;
 }
 
+// int ds/r^3 = (s2/r2 - s1/r1)/away^2. Beside the segment's line that is 0/0: where the foot lies outside the segment,
+// the form with the difference of squares does not cancel.
 double inverse_cubes(const Vec2& a, const Vec2& b, const Vec2& x) {
   const Vec2 along = (b - a).normalized(), from = a - x, to = b - x;
   const double s1 = along.dot(from), s2 = along.dot(to), r1 = from.norm(), r2 = to.norm();
@@ -189,6 +209,7 @@ Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
                                     const std::function<Eigen::RowVectorXd(std::size_t)>& values_of, const Vec2& x) {
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < samples.size(); ++i) near.emplace_back((samples[i] - x).squaredNorm(), i);
+  // 28 samples in sight for 10 coefficients; fewer in sight lower the degree.
   constexpr std::size_t many = 28, looked_at = 64;
   const std::size_t looked = std::min(looked_at, near.size());
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(looked), near.end());
@@ -199,6 +220,7 @@ Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
       seen.push_back(near[k]);
   if (seen.empty()) seen.push_back(near.front());
   const Eigen::Index n = static_cast<Eigen::Index>(seen.size());
+  // Cubics, parabolas, planes or a constant.
   const Eigen::Index terms = n >= 18 ? 10 : n >= 9 ? 6 : n >= 4 ? 3 : 1;
   const double reach = 1.2 * std::sqrt(seen.back().first) + std::numeric_limits<double>::min();
   Eigen::MatrixXd rows(n, terms);
@@ -207,6 +229,7 @@ Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
     const auto& [square, k] = seen[static_cast<std::size_t>(i)];
     const Vec2 d = (samples[k] - x) / reach;
     const double r2 = d.squaredNorm();
+    // The weight nearly interpolates: it is largest, 1/sqrt(sharp), at the sample itself, and 0 at the reach.
     constexpr double sharp = 1e-4;
     const double weight = (1 - r2) / std::sqrt(r2 + sharp);
     Eigen::Matrix<double, 10, 1> p;
@@ -215,6 +238,7 @@ Eigen::RowVectorXd interpolate_rows(const std::vector<Vec2>& samples,
     rows.row(i) = weight * p.head(terms).transpose();
     values.row(i) = weight * values_of(k);
   }
+  // The value at x is the constant of the polynomial about x.
   return rows.colPivHouseholderQr().solve(values).row(0);
 }
 

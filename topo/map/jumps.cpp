@@ -1,5 +1,9 @@
-// All data that an expansion takes at a point, as one vector per place; where it changes by a share of its size over no
-// distance, it jumps.
+// Where the data of an expansion jump: weights and targets of J, the body force, an eigenstrain. Nothing is known of
+// these functions but their values. All of them at a place form one vector, taken at fixed values of the fields; each
+// quarter of an edge of the mesh is bisected towards the half that changes more. A jump keeps its size under halving, a
+// smooth function does not, which is what tells them apart; what lies between two samples of a quarter is not seen.
+// Crossings are joined within triangles to segments, from which masks and validations keep away.
+// docs/theory/validation.md has the rule, section "The verdict".
 
 #include "topo/map/jumps.hpp"
 
@@ -27,6 +31,7 @@ class PlaceData {
     return terms_.empty() && !m_.scene.body && !has_eigenstrain(m_.scene);
   }
   // t: a triangle beside the place, whose region has the eigenstrain.
+  // The fields are arbitrary and not 0, so that a density keeps its dependence on the place.
   std::vector<double> at(const Vec2& x, Index t) const {
     std::vector<double> v;
     for (const Term* term : terms_) {
@@ -67,6 +72,7 @@ double change(const std::vector<double>& a, const std::vector<double>& b, const 
 constexpr double jump_counts = 1e-3;  // of the size of the data
 constexpr int quarters = 4;
 
+// Sizes are the largest values at centroids: what counts as a jump is relative to them.
 class JumpFinder {
  public:
   JumpFinder(const Model& m, const PlaceData& data) : m_(m), data_(data) {
@@ -78,6 +84,7 @@ class JumpFinder {
     }
   }
 
+  // Four quarters: two jumps on one edge are told apart where they lie in different ones.
   std::vector<Vec2> on_edge(Index e) const {
     const auto& [left, right] = m_.mesh.sides[e];
     const Index t = left != none ? left : right;
@@ -118,6 +125,7 @@ class JumpFinder {
 
 }  // namespace
 
+// Each crossing as a point, and segments between crossings of two edges of a triangle.
 std::vector<std::pair<Vec2, Vec2>> jumps_of_data(const Model& m, const Functional& j) {
   const PlaceData data(m, j);
   std::vector<std::pair<Vec2, Vec2>> all;

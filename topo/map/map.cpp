@@ -1,3 +1,13 @@
+// Maps of the topological derivative T [theory: T.4]: at listed points, at all centroids and corners, and their error
+// bars.
+//  T = form(sigma, zeta) - b.p + local   from recovered stresses [theory: R.2, R.3] and displacements [theory: R.1]
+// `expand` (topo/map/point.cpp) evaluates it at one place. A full map takes every field at all places first, so that
+// recovery and element kernels run once per triangle. A clamped hole has no T: its map is the predicted change at the
+// given radius (topo/map/green.cpp). What cannot hold is masked: nearer than four radii to a feature, or, where the
+// second term c2 is known, where the radius of (Q.14) is less than the one asked for. Error bars compare with a better
+// solution: an element of one degree more on another mesh with as many unknowns [theory: R.9], T expanded there at the
+// same places. Derived in docs/theory/topological_derivatives.md.
+
 #include "kerf/map.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
@@ -28,6 +38,7 @@ std::shared_ptr<const MapFields> fields_of(const Analysis& a, const Corners& cor
 struct Displacements {
   Points at_centroids, at_corners;
 };
+// u* jumps from triangle to triangle.
 Displacements displacements(const Model& m, const Field& s, const Corners& corners, bool recovered) {
   const Index n = static_cast<Index>(m.mesh.triangles.size());
   const bool linear = m.element.displacement == 0 && is_mixed(m.element);
@@ -77,6 +88,8 @@ Nodes centroids(const Mesh& mesh) {
   }
   return n;
 }
+// Any triangle of a corner does: what it is asked for (material, region) is the same for all triangles of one corner of
+// split_for_stress.
 Nodes at_corners(const Mesh& mesh, const Corners& corners) {
   Nodes n;
   for (const Index v : corners.vertex) n.x.push_back(mesh.points[v]);
@@ -164,6 +177,8 @@ void fill_clamped(const Analysis& a, const Functional& j, double radius, const G
 // Where the second term is known it says where the first one is good at that radius, if the change has room at all. A
 // value that is nothing beside the others may have any relative error.
 constexpr double room_radii = 2;
+// margin < 0 is masked. It is the least of three: how far the radius of (Q.14) exceeds the one asked for, how much room
+// there is beyond two radii (the margin so far counts from four), and one radius.
 void mask_by_second(double radius, const Grid& grid, const Mesh& mesh, const SecondMap& second, FullMap& map) {
   constexpr double nothing = 0.01;
   double largest = 0;
@@ -334,12 +349,14 @@ std::vector<MapPoint> map_at(const Analysis& a, const Functional& j, const MapRe
     const SecondOrder found = second.at(p.at);
     p.c2 = found.c2;
     p.valid_radius = valid_radius_of({p.value, found.c2, 0, parts_of(found), clear[i]});
+    // Where the second term is known it decides what is masked, instead of four radii of room.
     if (std::isnan(*p.valid_radius)) continue;
     p.masked = *p.valid_radius < r.radius || too_close(m, j, {&p.at, 1}, room_radii * r.radius, r.radius)[0];
   }
   return map;
 }
 
+// The mask first, since a clamped map skips what is masked; recovery once for centroids and corners.
 FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest& r, const Corners& corners) {
   const Grid grid{centroids(a.model->mesh), at_corners(a.model->mesh, corners), corners};
   FullMap map;
@@ -360,6 +377,7 @@ FullMap map_everywhere(const Analysis& a, const Functional& j, const MapRequest&
   return map;
 }
 
+// From the element's own stresses, unrecovered, and with a change of its own per triangle: for level sets.
 Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
                                  const std::function<const Perturbation&(Index triangle)>& change) {
   const Model& m = *a.model;
@@ -382,6 +400,7 @@ Eigen::VectorXd map_at_centroids(const Analysis& a, const Functional& j,
   return value;
 }
 
+// The same expansion of both solutions at the same places; half widths at corners go to points by interpolation.
 void add_bars(const Analysis& a, const Functional& j, const MapRequest& r, const Meshing& meshing, const Maps& maps) {
   const Mesh& mesh = a.model->mesh;
   const std::shared_ptr<const MapFields> own = fields_of(a);

@@ -1,3 +1,9 @@
+// Distances from points to features: sides, cracks that may move, other materials, jumps of the data, rings of
+// functionals. A change of radius eps needs clear_radii eps of room, as the remainder relative to T is about C
+// (eps/distance)^2 (docs/theory/topological_derivatives.md, section "How good the expansion is"). Segments are listed
+// in the square cells that they come nearer to than `reach`, so that a point looks into one cell. Of a part of a body
+// the features are those of the whole mesh, and cells cover the part.
+
 #include "topo/map/mask.hpp"
 #include "kerf/state.hpp"
 #include "topo/map/jumps.hpp"
@@ -25,6 +31,7 @@ struct Looked {
   std::vector<Near> to;
 };
 
+// Jumps of the data count as another material.
 std::vector<Segment> features(const Model& m, const Functional& j) {
   const Mesh& mesh = whole_mesh(m);
   std::vector<Segment> all;
@@ -60,6 +67,7 @@ Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, c
   Vec2 low = m.mesh.points[0], high = low;
   for (const Vec2& p : m.mesh.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double width = (high - low).maxCoeff();
+  // About as many cells as points, and never smaller than the reach: a segment is listed in few cells.
   const double finest = std::clamp(std::sqrt(static_cast<double>(points.size())), 1.0, 512.0);
   const double cell = std::max(reach, width / finest);
   const auto column = [&](double x, int d) { return static_cast<Index>(std::floor((x - low[d]) / cell)); };
@@ -71,6 +79,7 @@ Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, c
       for (Index k = std::max(column(from.y(), 1), 0); k <= std::min(column(to.y(), 1), up - 1); ++k)
         cells[static_cast<std::size_t>(k) * across + i].push_back(s);
   }
+  // Points outside the box keep a margin of -clear.
   parallel_for(static_cast<Index>(points.size()), m.threads, [&](Index begin, Index end) {
     for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
       const Vec2& x = points[p];

@@ -1,3 +1,6 @@
+// T as the sum of its parts at a point: mean stress, deviator, what both give together, eigenstrain, displacement,
+// density. An error of a part is seen in proportion to its share (docs/theory/validation.md, section "The verdict").
+
 #include "topo/map/modes.hpp"
 
 namespace kerf {
@@ -7,6 +10,7 @@ namespace {
 using Stress = Eigen::Vector3d;
 
 // The same point with every stress mapped, and with displacements or without.
+// The misfit of an inclusion is a part of its own and left out here.
 template <class Map>
 PointValues mapped(PointValues v, bool moved, const Map& map) {
   v.misfit = 0;
@@ -30,6 +34,8 @@ Stress deviator(const Stress& s) {
 
 }  // namespace
 
+// The form is quadratic in the stresses of state and adjoint together: parts of the stress are expanded alone, what
+// they give together is the rest. A direction is that of the whole.
 std::vector<Mode> modes_of(const Expansion& e, const PointValues& v, const Oriented& whole) {
   if (!has_series(e.p)) return {};
   Perturbation fixed = e.p;
@@ -46,6 +52,7 @@ std::vector<Mode> modes_of(const Expansion& e, const PointValues& v, const Orien
     // J sees no stress but by its density.
   } else if (row(fixed).becomes == Becomes::Slit) {
     // Pressed together, a crack has its tangential part left, which no mean stress changes.
+    // The stresses of states are pressed, not that of the adjoint: they decide whether the crack is open, at any angle.
     const double pressure = 1e3 * (v.stress.norm() + v.measured.norm());
     const auto press = [&](const Stress& s) { return Stress(s - pressure * Stress(1, 1, 0)); };
     PointValues pressed = mapped(v, false, same);

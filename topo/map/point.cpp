@@ -1,3 +1,11 @@
+// The expansion at one point [theory: T.4, T.6, T.7, T.16, H.8], for every functional and every change with a series:
+//   T = sum over products f form(s, t) - b.(p - (w - w_work) u - w_m u_m) + local + misfit + biactive rows,
+// with the products -w/2 (sigma, sigma) of energies, (sigma, zeta) of the adjoint, -w_m/2 (sigma_m, sigma_m) of a
+// misfit's measured body, w the shares of kerf/analysis.hpp, b the body force where the change removes it. A direction
+// is chosen once, for the sum: in closed form where the densities of J do not see it, else by search [theory: T.14].
+// Rows with neither gap nor pressure answer one-sidedly by forces lambda >= 0 that solve a small complementarity
+// problem [theory: A.13], with the openings g of the change itself.
+
 #include "topo/map/point.hpp"
 #include "solver/system.hpp"
 #include "topo/formulas/axes.hpp"
@@ -12,6 +20,7 @@ namespace kerf {
 
 namespace {
 
+// What the change does to the density of J itself: (T.19) and (T.34) of the term, or minus the density in a hole.
 double local(const Term& term, const Perturbation& p, const PointValues& v, const Mat2& s) {
   if (!term.density) return 0;
   const FieldPoint at{.x = v.x, .stress = s, .displacement = v.u, .material = v.material};
@@ -36,6 +45,7 @@ Oriented best_direction(const Expansion& e, const PointValues& v, std::span<cons
     return forms_and_locals(e, e.p, v, products);
   const bool crack = row(e.p).becomes == Becomes::Slit;
   Perturbation p = e.p;
+  // A hole goes where T is least, a crack where it does most.
   const auto rank = [&](double angle) {
     p.angle = angle;
     const double T = forms_and_locals(e, p, v, products).value;
@@ -56,6 +66,8 @@ Eigen::Vector3d components(const Eigen::Vector4d& s) {
   return {s[0], s[3], 0.5 * (s[1] + s[2])};
 }
 
+// Where J depends on the stress, zeta is not the stress of p [theory: A.5], so that no displacement is recovered from
+// it.
 Needs needs(const Analysis& a, const Functional& j, const Perturbation& p) {
   require_expansion(a.model->scene, j, p);
   Needs n;
@@ -73,6 +85,7 @@ std::vector<bool> no_row_closed(const Analysis& a) {
   return std::vector<bool>(a.biactive ? a.biactive->response.size() : 0, false);
 }
 
+// For verdicts: T may be small by cancellation only.
 double size_of(const Expansion& e, const PointValues& v) {
   const Analysis& a = e.a;
   if (!has_series(e.p)) return 0;
@@ -136,6 +149,7 @@ Oriented expand(const Expansion& e, const PointValues& v, std::vector<bool>& clo
   }
   if (a.biactive) {
     const Eigen::Index n = v.openings.cols();
+    // g of (T.16): the opening of biactive row i by the change, with sigma(Y_i) and Y_i as its adjoint.
     Eigen::VectorXd g(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       g[i] = form(p, v.material, t.angle, s, symmetric(v.openings.col(i)));

@@ -1,3 +1,10 @@
+// What a body answers to singular fields G in closed form: the regular w with sigma(w) n = -sigma(G) n on free sides
+// and open faces and w = -G where held, contact linearized [theory: T.28, Q.4]. The loads are the moments of the
+// tractions of G, and its displacements, on the boundary and on cracks that move; edges near the singular point are
+// integrated in pieces. `to` solves for w itself. `displacements` reads the recovered displacement of w at the singular
+// point alone, for many points at once: loads and readings are sparse vectors that meet half way through the factor
+// [theory: T.38]. docs/theory/second_order.md, section "The reply of the body".
+
 #include "topo/map/reply.hpp"
 
 #include "solver/recovery.hpp"
@@ -14,6 +21,7 @@ BodyReply::BodyReply(const Model& m, TangentCone cone) : model_(m), solver_(m, s
   }
 }
 
+// The trace on the boundary; of a crack the jump, per_edge unknowns of each edge.
 std::vector<Index> BodyReply::loaded_unknowns() const {
   const Mesh& mesh = model_.mesh;
   const Skeleton& skeleton = model_.inner->skeleton;
@@ -52,6 +60,7 @@ void BodyReply::load(const Vec2& x0, std::span<const Nucleus> fields, Eigen::Ref
         const Vec2& x = at.x;
         const Eigen::VectorXd basis = trace_basis(trace, s);
         for (std::size_t j = 0; j < fields.size(); ++j) {
+          // Where held w = -G, as moments over the trace's weights; where free the tractions -sigma(G) n.
           const Vec2 moved = fields[j].displacement(x), traction = fields[j].stress(x) * n;
           for (int g = 0; g < static_cast<int>(basis.size()); ++g)
             for (int d = 0; d < 2; ++d) {
@@ -68,6 +77,7 @@ void BodyReply::load(const Vec2& x0, std::span<const Nucleus> fields, Eigen::Ref
   }
 }
 
+// A solve per field; `only`: the triangles whose interior is wanted.
 std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus> fields, std::span<const Index> only,
                                         double enough) {
   const std::vector<Index> unknowns = loaded_unknowns();
@@ -87,6 +97,7 @@ std::vector<TangentField> BodyReply::to(const Vec2& x0, std::span<const Nucleus>
   return replies;
 }
 
+// Per singular point two readings (x, y) of every field; nothing where the factor cannot be read from.
 std::optional<std::vector<Points>> BodyReply::displacements(std::span<const Singularity> many) const {
   FewLoads loads{.unknowns = loaded_unknowns(), .load = {}, .prescribed = {}};
   Eigen::Index problems = 0;

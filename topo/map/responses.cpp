@@ -1,3 +1,6 @@
+// Derivatives of many readings on the boundary: T_k = form(sigma, zeta_k) - b.p_k, one adjoint per reading with the
+// factor of the state, one recovery for all fields [theory: I.1].
+
 #include "topo/responses.hpp"
 #include "solver/system.hpp"
 
@@ -12,6 +15,7 @@
 
 namespace kerf {
 
+// Readings are affine in u, so that their derivative is that of any state.
 Responses responses(const Model& m, const Field& s, std::span<const Term> readings) {
   if (has_frictional_cracks(m.scene))
     throw Error(Fault::Usage, "responses of readings need cracks without friction; remove friction and tresca");
@@ -39,6 +43,7 @@ Eigen::VectorXd read(const Model& m, const Field& s, std::span<const Term> readi
   return value;
 }
 
+// Stresses of the state and of every adjoint, and under a body force b . p_k, which a hole removes.
 std::optional<PointResponse> response_at(const Responses& r, const Vec2& x) {
   const Model& m = *r.model;
   const Index t = locate(m.mesh, r.locator, x);

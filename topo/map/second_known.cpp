@@ -1,3 +1,10 @@
+// Where the second term c2 is known, why it is not, and what is known of the logarithm in the series. c2 is derived for
+// a circle in one isotropic material without body force and eigenstrain, for energies and for J linear in the state
+// [theory: Q.5, Q.8, Q.12]. With J linear, contact that ends on a crack moves J by the square of the change at its
+// ends, as large as c2: refused. The logarithm eps^2 ln eps is absent, or known with coefficient c3 (a hole that
+// removes a body force (Q.9), a density quadratic in the displacement (Q.10)), or unknown, in which case a series of
+// radii fits it. Derived in docs/theory/second_order.md, sections "Other functionals, contact" and "Logarithms".
+
 #include "topo/map/second_known.hpp"
 
 #include "kerf/recover.hpp"
@@ -26,6 +33,7 @@ bool has_contact_end(const Model& m, const Field& s) {
   return false;
 }
 
+// A hundredth of the length of the cracks may be biactive: the ends of contact change nothing.
 bool has_biactive(const Analysis& a) {
   double length = 0;
   for (std::size_t c = 0; c < a.model->mesh.cracks.size(); ++c)
@@ -55,6 +63,8 @@ std::pair<Logarithm, double> logarithm_of(const Term& term, double slope, const 
   if (!has_circle(e.p) || !isotropic(v.material)) return {Unknown, nan};
   // The second derivative by u, of densities that are quadratic in it.
   FieldPoint at{.x = v.x, .displacement = v.u, .material = v.material};
+  // by_displacement is affine in u for such densities, so that differences give its matrix exactly. (Q.10) is for a
+  // multiple k I of the identity; a weight that depends on the direction is not.
   const Vec2 before = term.density(at).by_displacement;
   const double step = v.u.norm() > 0 ? v.u.norm() : 1;
   Mat2 second;
@@ -86,6 +96,7 @@ bool has_circle(const Perturbation& p) {
   return row(p).inside != nullptr;
 }
 
+// The shape first, then the body, contact and the functional: the first reason is told.
 std::string unknown_second_term(const Analysis& a, const Functional& j, const Perturbation& p) {
   if (!has_circle(p)) return "the second term is known for circular free holes and inclusions only";
   if (std::string why = unknown_in(*a.model); !why.empty()) return why;
@@ -103,6 +114,7 @@ std::string unknown_second_term(const Analysis& a, const Functional& j, const Pe
   return {};
 }
 
+// A term whose logarithm is unknown makes that of the sum unknown.
 std::pair<Logarithm, double> logarithm(const Expansion& e, const PointValues& v, const TaylorField& s) {
   using enum Logarithm;
   const Analysis& a = e.a;

@@ -1,3 +1,13 @@
+// c2 of the second term over the whole body [theory: Q.8, Q.13]. Its local parts (gradients of the stress, curvature)
+// are fitted at every place. The reply of the body is a quadratic form of the dipoles (r1 a1, q Re b1, q Im b1) with a
+// symmetric matrix M(x) that knows the body alone: three solves per sample. M grows like 1/d^2 towards a straight side
+// at distance d, and
+//   M(x) / (1/2 int ds/|x - y|^3)   over boundary and cracks that move
+// is smooth up to them: this is interpolated from at most 250 samples. What is not known of c2: the local parts once
+// more on discs of two thirds of the radius, and of the reply what the other samples miss each of the four nearest ones
+// by. Their sum is told with c2, as is the sum of its parts without signs, which (Q.14) turns into a radius.
+// docs/theory/second_order.md, section "Everywhere".
+
 #include "topo/map/second_map.hpp"
 
 #include "base/parallel.hpp"
@@ -17,6 +27,7 @@ namespace {
 
 // Half of int ds/r^3 over all that the body ends at: the sum of 1/d^2 over straight sides at the distances d. The reply
 // grows like that.
+// 2/d^2 is int ds/r^3 beside a long straight side: half of it is 1/d^2.
 class Walls {
  public:
   explicit Walls(const Model& m) {
@@ -51,6 +62,8 @@ struct Place {
   double clear;
 };
 
+// Column i is the reply to a unit of dipole i. The exact form is symmetric (reciprocity): what is not is the error of
+// the fit, and the mean with the transpose takes it out.
 Form sampled_form(BodyReply& body, const Model& m, const Place& at, const TaylorFit& fit) {
   const Material& material = material_of(m.mesh, m.scene, at.in);
   std::array<Nucleus, 3> unit{dipole_field(material, at.x, {1, 0}), dipole_field(material, at.x, {0, 1}),
@@ -104,6 +117,7 @@ struct Samples {
 // Each next one where the spacing against the distance to the walls is the widest, until the form at the next ones is
 // predicted well enough.
 Samples sample(const Model& m, const Field& s, const Walls& walls, std::span<const Place> places) {
+  // `accurate` is of the norm of the form. The disc of a fit fills 0.7 of the way to the next feature.
   constexpr double part = 0.7, accurate = 0.02;
   constexpr int most = 250, batch = 20, least = 60;
   Samples all{&walls};
@@ -116,6 +130,7 @@ Samples sample(const Model& m, const Field& s, const Walls& walls, std::span<con
     if (places.empty() || wide[next] == 0) break;
     const Place& at = places[next];
     for (std::size_t i = 0; i < places.size(); ++i) wide[i] = std::min(wide[i], (places[i].x - at.x).norm() / scale[i]);
+    // A candidate with too coarse a mesh around it counts as taken, but is no sample.
     const TaylorFit fit(m, at.x, at.in, part * at.clear);
     if (fit.coarse()) continue;
     const Form exact = sampled_form(body, m, at, fit);
@@ -135,12 +150,16 @@ constexpr double narrower = 1.5;  // of two discs
 // A disc large enough to tell the coefficients and small enough to be cheap, without features in it; 0 where there is
 // none.
 double radius_at(const Model& m, const Place& at) {
+  // About 120 triangles in the narrower disc are enough to average over, and keep the cost of a fit at every corner
+  // bounded.
   constexpr double part = 0.7, many = 120 * narrower * narrower;
   const double size = area(m.mesh, at.in);
   return std::min(part * at.clear, std::sqrt(many * size / pi));
 }
 
 // What the reply counts at most where it is off by `left` of its form, relative: its parts may cancel.
+// The norm of the form times `left` bounds what its entries are off by; three unit replies give the gradient of c2 by
+// them.
 double reply_unsure(double left, const Form& form, const Perturbation& p, const Material& m, const TaylorField& s,
                     const TaylorField& t) {
   const Dipoles sent = dipoles(p, m, s);
@@ -150,6 +169,7 @@ double reply_unsure(double left, const Form& form, const Perturbation& p, const 
   return left * form.norm() * std::hypot(sent.a1, std::abs(sent.b1)) * std::sqrt(square);
 }
 
+// alpha and beta of (Q.4) from the form times the dipoles sent out; gradients of the reply do not enter.
 TaylorField reply_in(const Form& form, const Perturbation& p, const Material& m, const TaylorField& s) {
   const Dipoles sent = dipoles(p, m, s);
   const Eigen::Vector3d w = form * Eigen::Vector3d(sent.a1, sent.b1.real(), sent.b1.imag());
@@ -200,6 +220,7 @@ class SecondAt {
 
 }  // namespace
 
+// Places with at least 24 triangles in 0.7 of their clear disc; everywhere else c2 stays NaN.
 SecondMap second_everywhere(const Analysis& a, const Functional& j, const Perturbation& p, const Candidates& points) {
   const Model& m = *a.model;
   SecondMap map{.c2 = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(points.x.size()), nan),

@@ -1,3 +1,11 @@
+// c2 at a point [theory: Q.1, Q.5, Q.8, Q.12]: J(eps) - J = pi eps^2 (T + c2 eps^2 + O(eps^4)).
+//   c2 = sum over products f Q(s, t), the same products as for T, Q the form of topo/formulas/second_term.cpp.
+// State and adjoint are fitted by Kolosov's potentials on a disc of 0.7 times the distance to the next feature
+// (topo/map/taylor.cpp). The circle sends out the dipoles of the state; the body's reply is solved for with the factor
+// of the state and fitted on the same disc, where its a1, b1 are alpha, beta of (Q.4). `answer_radius` says from where
+// on the series begins: where the reply to a part of the stress is as large as that part [theory: V.11]. Derived in
+// docs/theory/second_order.md.
+
 #include "kerf/second_order.hpp"
 
 #include "solver/system.hpp"
@@ -16,11 +24,13 @@
 
 namespace kerf {
 
+// share = |c2| r^2/|T| solved for r: up to there the second term is at most that share of the first.
 double SecondOrder::valid_radius(double share) const {
   if (!available || T == 0) return available ? 0 : nan;
   return c2 == 0 ? infinity : std::sqrt(share * std::abs(T / c2));
 }
 
+// What points share: the expansion, the locator, and a solver per body.
 struct SecondOrders::Impl {
   Impl(const Analysis& analysis, const Functional& functional, const Perturbation& change)
       : a(analysis),
@@ -57,6 +67,7 @@ struct SecondOrders::Impl {
     return (high - low).norm();
   }
 
+  // Of 300 vertices the one farthest from all features.
   Vec2 roomiest() const {
     const Model& m = *a.model;
     constexpr std::size_t enough = 300;
@@ -101,6 +112,7 @@ struct SecondOrders::Impl {
     std::optional<TaylorFit> fit;
   };
 
+  // The reply grows with the square of the radius: it is as large as its part of the stress at sqrt(|s| / |w|).
   double answered(const Vec2& x) {
     const Model& m = *a.model;
     std::string note;
@@ -120,6 +132,7 @@ struct SecondOrders::Impl {
     return least;
   }
 
+  // Stresses from the fit as well, so that T and c2 are of one field.
   void expand_here(const TaylorFit& fit, const Vec2& x, Index t, SecondOrder& result) {
     const Material& material = material_of(a.model->mesh, a.model->scene, t);
     PointValues v = point_values(
@@ -153,6 +166,7 @@ struct SecondOrders::Impl {
     result.available = true;
   }
 
+  // One sent field, and its reply on the triangles of the fit only.
   static TaylorField replied(BodyReply& body, const Perturbation& change, const TaylorFit& fit, const TaylorField& s,
                              const Material& material, const Vec2& x) {
     const Nucleus sent = dipole_field(material, x, dipoles(change, material, s));

@@ -1,3 +1,11 @@
+// Taylor coefficients of a solved stress field at a point, as those of Kolosov's potentials [Muskhelishvili 1953;
+// theory: Q.2].
+//   phi' = sum A_k z^k, psi' = sum B_k z^k, k <= 5,   tr s = 4 Re phi',   s22 - s11 + 2i s12 = 2 (conj(z) phi'' + psi')
+// are fitted to the element's own stress over a disc of radius R, in the mean of squares with the weight (1 -
+// r^2/R^2)^2. On whole circles the terms are orthogonal and the coefficients are Fourier means, free of truncation;
+// here they average the error of the element over the disc. The Gram matrix depends on the disc alone and is factorized
+// once for all fields. docs/theory/second_order.md, section "How it is computed".
+
 #include "topo/map/taylor.hpp"
 
 #include "base/quadrature.hpp"
@@ -19,6 +27,8 @@ using Row = Eigen::Matrix<double, 1, unknowns>;
 using Rows = Eigen::Matrix<double, 3, unknowns>;
 
 // Of tr s / sqrt(2) and (s22 - s11 + 2i s12)/sqrt(2): their squares sum to s : s.
+// Row 0 is tr s, rows 1 and 2 the deviator; a column per real unknown. Im A_0 is a rotation, without stress, and has
+// none.
 Rows rows_at(const Complex& z) {
   Rows r = Rows::Zero();
   const auto put = [&](int column, double trace, const Complex& deviator) {
@@ -46,6 +56,7 @@ Rows rows_at(const Complex& z) {
 
 template <class Do>
 void over_points(const Model& m, const std::vector<Index>& use, const Vec2& at, double radius, const Do& take) {
+  // Points beyond the radius have no weight: triangles on the rim count with what lies inside.
   static const TriangleRule rule = triangle_rule(5);
   for (const Index t : use) {
     const Triangle shape = triangle(m, t);
@@ -61,7 +72,9 @@ void over_points(const Model& m, const std::vector<Index>& use, const Vec2& at, 
 
 }  // namespace
 
+// Triangles around x by a front from that of x, sorted: sums do not depend on the way.
 TaylorFit::TaylorFit(const Model& m, const Vec2& x, Index start, double radius) : m_(m), at_(x), radius_(radius) {
+  // Neighbors are taken while one of their vertices lies in the disc.
   const auto reaches = [&](Index t) {
     return std::ranges::any_of(m.mesh.triangles[t], [&](Index v) { return (m.mesh.points[v] - x).norm() < radius; });
   };
@@ -81,10 +94,12 @@ TaylorFit::TaylorFit(const Model& m, const Vec2& x, Index start, double radius) 
 }
 
 bool TaylorFit::coarse() const {
+  // The fit has 23 unknowns.
   constexpr std::size_t least = 24;
   return use_.size() < least;
 }
 
+// Moments of the field with the columns, then the factor of the Gram matrix.
 TaylorField TaylorFit::of(const Field& s) const {
   const double unit = 1 / std::sqrt(2.0);
   Eigen::VectorXd moments = Eigen::VectorXd::Zero(unknowns);
@@ -97,6 +112,7 @@ TaylorField TaylorFit::of(const Field& s) const {
   const Eigen::VectorXd c = fit_.solve(moments);
   const auto a = [&](int k) { return Complex(c[2 * k - 1], c[2 * k]); };
   const auto b = [&](int k) { return Complex(c[1 + 2 * degree + 2 * k], c[2 + 2 * degree + 2 * k]); };
+  // From phi' and psi' in units of the radius: a_n = A_(n-1)/(n R^(n-1)).
   return {.a1 = c[0],
           .a2 = a(1) / (2 * radius_),
           .a3 = a(2) / (3 * radius_ * radius_),

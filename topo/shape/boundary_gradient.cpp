@@ -1,3 +1,9 @@
+// The density g of the shape derivative on free edges, dJ(theta) = int g theta.n [theory: S.4, S.5]:
+//   g = j - s_tt j_s,tt - s_tt z_tt/E' + f.p,   energies s_tt^2/(2E') - f.u,   tt tangential, s state, z adjoint,
+// at two Gauss points per edge from recovered stresses. It is an approximation (the discrete J has the distributed form
+// of shape_gradient.cpp), better the smoother the stress; corners of less than pi and ends of supports have no
+// integrable g. Level sets take their speed from it. Derived in docs/theory/shape_gradient.md, section "Boundary form".
+
 #include "base/parallel.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "solver/system.hpp"
@@ -22,6 +28,7 @@ bool is_free(const Analysis& a, const Functional& j, Index e, const EdgeRule& ru
     if ((term.on_boundary && label == term.label) || (term.measured && label == term.measured->label)) return false;
   const Vec2& from = m.mesh.points[m.mesh.edges[e][0]];
   const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - from, n = outward_normal(m.mesh, e);
+  // A traction that vanishes at the points is none.
   for (const Traction& traction : m.scene.tractions)
     for (Eigen::Index q = 0; label == traction.label && q < rule.s.size(); ++q)
       if (!traction.value(from + rule.s[q] * side, n).isZero(0)) return false;
@@ -38,6 +45,7 @@ class DensityOnEdge {
     for (const Term& term : j.terms) uses_rotation_ = uses_rotation_ || term.uses_rotation;
   }
 
+  // A free edge has the tangential stress alone: what recovery leaves of the others is error.
   double density(Index t, const Vec2& x, const Vec2& tangent) const {
     const Model& m = *a_.model;
     const Material& material = material_of(m.mesh, m.scene, t);
@@ -50,6 +58,7 @@ class DensityOnEdge {
     const bool loaded = !force.isZero(0);
     const double s = recovered(m, *a_.state, fields_->recovered[FieldOf::Primal]);
     const Vec2 u = loaded ? displacement_at(m, *a_.state, t, x, true) : Vec2::Zero();
+    // Energy density less work of the body force, by the shares that J has of energy and work.
     double sum = a_.energy_share * (0.5 * s * s / modulus - force.dot(u)) + a_.work_share * force.dot(u);
     if (a_.measured) {
       const double other = recovered(*a_.measured_model, *a_.measured, fields_->recovered[FieldOf::Measured]);
@@ -82,6 +91,7 @@ class DensityOnEdge {
 
 }  // namespace
 
+// Points first, so that recovery is done only in triangles beside free edges.
 BoundaryGradient boundary_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
   require_no_eigenstrain(a.model->scene);

@@ -1,3 +1,11 @@
+// Explicit derivatives of a Term when the vertices of the mesh move by theta, G = grad theta constant on a triangle.
+// Stresses move with Piola's transformation, delta s = s G' - s div theta, all else by composition [theory: S.1]:
+//   delta int j = int j div theta + d_x j . theta + j_s : (s G' - s div theta) + j_u . delta u*,
+// u* as the moved stress recovers it [theory: R.1]: two small problems per triangle, one for u* and one for its adjoint
+// w. Integrals over edges see a new place, length and normal while the unknowns stay: their derivative by the two ends
+// is taken by differences of fourth order, exact to rounding for smooth data. Derived in docs/theory/shape_gradient.md,
+// section "Moving vertices".
+
 #include "topo/shape/moving.hpp"
 #include "solver/system.hpp"
 
@@ -28,6 +36,7 @@ void add_columns(Points& gradient, const Mesh& mesh, Index e, const Mat2& by) {
 
 }  // namespace
 
+// The opposite side turned by 90 degrees, over twice the area.
 Eigen::Matrix<double, 2, 3> barycentric_gradients(const Triangle& t) {
   Eigen::Matrix<double, 2, 3> g;
   const double twice = 2 * area(t);
@@ -38,7 +47,9 @@ Eigen::Matrix<double, 2, 3> barycentric_gradients(const Triangle& t) {
   return g;
 }
 
+// Four points, (8 (f1 - f-1) - (f2 - f-2))/(12 h); one-sided of third order where f is not finite on one side.
 Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2&, const Vec2&)>& f) {
+  // Truncation is h^4/30 of the fifth derivative, rounding about 1e-13 of f over the length.
   const double h = 1e-3 * (b - a).norm();
   Mat2 by;
   for (int end = 0; end < 2; ++end)
@@ -56,8 +67,11 @@ Mat2 by_ends(const Vec2& a, const Vec2& b, const std::function<double(const Vec2
   return by;
 }
 
+// d_x j . theta at the points, theta linear on the triangle: to its vertices by the barycentric coordinates.
 void add_place(const OfPlace& of, double share, TriangleMotion& motion) {
   const auto& [rule, x, size, here, f] = of;
+  // A second difference of more than a hundredth of the largest value over so short a step is a jump of f, not its
+  // slope.
   const double step = 1e-4 * size;
   constexpr double jump = 1e-2;
   const double largest = here.cwiseAbs().maxCoeff();
@@ -74,6 +88,7 @@ void add_place(const OfPlace& of, double share, TriangleMotion& motion) {
   }
 }
 
+// The normal leaves the triangle that the edge has: to the right where that is on the left.
 MovedEdge moved_edge(const Mesh& mesh, Index e, const Vec2& a, const Vec2& b) {
   const Vec2 side = b - a;
   const double length = side.norm();
@@ -89,6 +104,7 @@ MovingDensity::MovingDensity(const Model& model, const Field& state)
       d1_(derivative(degree_, 0)),
       d2_(derivative(degree_, 1)) {}
 
+// The rule of the value, so that the derivative is that of the discrete J.
 void MovingDensity::add(const Term& term, double share, Index t, const Triangle& shape, TriangleMotion& motion) const {
   if (!term.density || !wanted(term, shape)) return;
   const Points x = rule_points(rule_, shape);
@@ -107,6 +123,7 @@ void MovingDensity::add(const Term& term, double share, Index t, const Triangle&
     if (term.uses_displacement) at.displacement = u.col(q);
     return at;
   };
+  // j_s : (s G') = (j_s' s) : G in the convention of by_gradient(j, k), which multiplies d_k theta_j.
   const double whole = share * area(shape);
   Eigen::VectorXd here(x.cols());
   for (Eigen::Index q = 0; q < x.cols(); ++q) {
@@ -171,6 +188,7 @@ void MovingDensity::add_recovered(Index t, const Triangle& shape, const Points& 
   }
 }
 
+// Unknowns on edges keep their components while the edge moves: the value changes by place, length and normal.
 void add_surface_motion(const Term& term, double share, const Model& m, const Field& s, Points& gradient) {
   const Mesh& mesh = m.mesh;
   if (term.on_boundary) {

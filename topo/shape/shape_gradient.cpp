@@ -1,3 +1,15 @@
+// The derivative of J when the vertices of the mesh move, a covector on the vertices [theory: S.2, S.3]. With the
+// Lagrangian L' (state; adjoint) all partial derivatives of J by the fields are 0, so that only the explicit part is
+// left, of fields that the motion carries along (stresses by Piola, the rest by composition):
+//   dJ(theta) = int j div theta + d_x j.theta + j_s:(s G' - s div theta)
+//             + int D:(z G') + (A z + Gamma(rho)):(s G') - (A s:z) div theta + p.f div theta + p.(grad f theta) + ...
+// with D = A s + Gamma(omega), z, p, rho the adjoint, G = grad theta, and
+//  dPi(theta) = -int [D:(s G') - 1/2 (A s:s) div theta + u.f div theta + u.(grad f theta) + ...].
+// The dots: tractions, pressures, supports, jumps across cracks and integrals over edges, whose data stay in space
+// while edge, length and normal move, by differences in the two ends (moving.cpp). It is exact for the discrete J of
+// elements whose spaces Piola's transformation preserves, and one-sided where contact is biactive. Derived in
+// docs/theory/shape_gradient.md, section "Moving vertices".
+
 #include "kerf/shape_gradient.hpp"
 #include "solver/system.hpp"
 
@@ -37,6 +49,8 @@ struct Parts {
   std::vector<Explicit> terms = {};
 };
 
+// A compliance under homogeneous supports is -2 Pi as an energy; when supports move, prescribed values that were 0 may
+// not be 0 at the new place, and the work of the reactions on them counts besides.
 Parts parts_of(const Analysis& a, const Functional& j) {
   Parts p{.loaded = {{*a.model, *a.state, a.energy_share}}, .work = a.work_share};
   if (a.measured) p.loaded.push_back({*a.measured_model, *a.measured, a.measured_share});
@@ -148,6 +162,7 @@ void add_tractions(const Model& m, const Eigen::VectorXd& skeleton, Points& grad
   for (const Traction& traction : m.scene.tractions)
     for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
       if (mesh.label[e] != traction.label) continue;
+      // Displacements belong to shares of the edge and stay while it moves.
       const Points at_points = on_edge(m, e, skeleton, edge_unknown(m.inner->skeleton, e));
       Points u(2, rule.s.size());
       for (Eigen::Index q = 0; q < rule.s.size(); ++q)
@@ -309,6 +324,7 @@ void add_cracks(const LoadedBody& body, const Field* dual, Points& gradient) {
 
 }  // namespace
 
+// Sums per triangle and per edge are gathered onto the vertices; the order of the sums does not depend on threads.
 Points shape_gradient(const Analysis& a, const Functional& j) {
   require_isotropic(a.model->scene, "shape derivatives");
   require_no_eigenstrain(a.model->scene);
@@ -332,6 +348,7 @@ Points shape_gradient(const Analysis& a, const Functional& j) {
       if (fields) add_lagrangian(p, t, shape, rule_points(m.inner->kernel.rule, shape), motion);
       if (forces) add_body_force(p, t, shape, motion);
       for (const Parts::Explicit& e : p.terms) density.add(*e.term, e.share, t, shape, motion);
+      // theta = N_i e_k has the gradient e_k (x) grad N_i: column i of the product, and what theta itself adds.
       const Eigen::Matrix<double, 2, 3> by = motion.by_gradient * barycentric_gradients(shape) + motion.rest;
       part.col(t) = by.reshaped();
     }

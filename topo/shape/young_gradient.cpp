@@ -1,3 +1,6 @@
+// dJ/dE of a region at fixed Poisson's ratio: A = A_1/E, so that dJ/dE = d_E j - 1/E (A s, z) and +1/(2E) (A s, s) per
+// energy [theory: S.6].
+
 #include "topo/young_gradient.hpp"
 #include "solver/system.hpp"
 
@@ -26,6 +29,7 @@ double work(const Model& m, const Field& s, const Field& z, Index region) {
 
 }  // namespace
 
+// Where the density itself depends on the material, by central differences of its integral at fixed fields.
 double young_gradient(const Analysis& a, const Functional& j, Model& model, Index region, double young) {
   require_straight(model, "a derivative by Young's modulus");
   require_supports(j, model);

@@ -1,3 +1,10 @@
+// Fields, forces and energies inside a ball of the difference problem [theory: V.2, V.3, V.5]. A ball is cut into an
+// annulus and a disc. What validation asks of them: the moments of the tractions sigma n that the disc exerts through
+// the contour (the load q of the problem), 1/2 (A s, s) - (f, u) of the disc in the state and in its new content, the
+// work of the body force, and the fields of the change from the values on contours. Compliances are floored at 1e-8/mu:
+// the unknown is the change of the state, so that the error is relative to the change. Derived in
+// docs/theory/validation.md, section "The difference problem".
+
 #include "topo/validate/ball_fields.hpp"
 
 #include <Eigen/QR>
@@ -25,7 +32,9 @@ Eigen::VectorXd on_edges(const Skeleton& s, const std::vector<Index>& edges, con
   return x;
 }
 
+// Less its projection on rigid motions: what strains anything.
 Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const Eigen::VectorXd& values) {
+  // Columns: two translations and the rotation about a vertex of the contour, in the frames of the edges.
   const Vec2 center = m.mesh.points[m.mesh.edges[edges[0]][0]];
   Eigen::MatrixXd rigid(values.size(), 3);
   Eigen::Index row = 0;
@@ -41,8 +50,10 @@ Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const 
   return values - rigid * qr.solve(values);
 }
 
+// Moments of s n against the trace functions, s of the triangles inside.
 Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<Index>& edges,
                             const std::vector<bool>& inside) {
+  // normal_at includes |dx/ds|.
   const EdgeRule rule = gauss(8);
   const int per = m.inner->skeleton.per_edge;
   Eigen::VectorXd f = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(edges.size()) * per);
@@ -65,6 +76,7 @@ Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<In
   return f;
 }
 
+// 1/2 (A s, s) - (f, u) of one triangle; displacements are moments against the force's.
 double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const Material& material) {
   const Triangle shape = triangle(m, t);
   const TriangleRule& rule = stress_rule(m.inner->kernel, shape);
@@ -84,6 +96,7 @@ double energy_of(const Model& m, const Eigen::MatrixXd& interior, Index t, const
 
 InnerState inner_state(const CondensedPiece& inner, const Kernel& kernel, const Scene& scene,
                        const Eigen::VectorXd& contour, bool body) {
+  // A model without a factor: nothing is solved with it.
   Model m{.mesh = inner.part.mesh,
           .element = kernel.element,
           .scene = scene,
@@ -118,6 +131,7 @@ double work_inside(const Model& m, const Field& s, Index t) {
   return area(m.mesh, t) * m.inner->system.force.col(t).head(count).dot(s.interior.col(t).segment(first, count));
 }
 
+// The disc loses its work, the ring gains that of the change, and a new content does that of its own state.
 double work_difference(const Model& m, const Field& s, const Field& change, const DiscAndRing& ball,
                        const InnerState* starred) {
   double d = 0;

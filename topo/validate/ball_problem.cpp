@@ -1,3 +1,14 @@
+// The difference problem of one ball: the unknown is the change w of the state when a disc inside is changed, not the
+// changed state, so that nothing large is subtracted [theory: V.2, V.3, V.4, V.5]. The body is condensed once onto the
+// balls' boundaries and the contact rows (W, the Schur complement of its factor). For one ball the others are
+// eliminated and the ball's own matrix is taken off: S is the body around it. Per radius
+//   K w = q,   K the annulus (ball boundary 0, contour k) + S on ball and contact rows,   q = moments of sigma n,
+// with the new content K* added on the contour, or w = -u there for a clamp. Contour first, then ball, then contact:
+// the rows in contact alone are a complementarity problem, solved for their set; then once more linearly for the change
+// itself, with the jumps of held rows and the forces of the others given. The energy of the change is exact:
+//   dPi = -Pi_D(u) [+ Pi*_D] - q.w + p_c.w_j + 1/2 (q.w + g.w_j).
+// Derived in docs/theory/validation.md, section "The difference problem".
+
 #include "topo/validate/ball_problem.hpp"
 
 #include "base/dense.hpp"
@@ -28,7 +39,9 @@ std::vector<bool> BallInMesh::shells(Index from, Index to) const {
   return use;
 }
 
+// What the state holds on the contact rows: jumps less what is prescribed, forces, and which way rows move.
 BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& how) : model(&m), state(&s) {
+  // A penalized matrix, or one without the balls' rows, is factorized anew with floored compliances and no penalty.
   if (m.inner->system.penalty > 0 || m.inner->ordering.interface_rows == 0) {
     Preparation without = how;
     without.plain = true;
@@ -51,9 +64,11 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
   motion.assign(status.size(), Motion::Held);
   for (std::size_t i = 0; i < motion.size(); ++i)
     if (status[i] == ContactStatus::Open)
+      // The jump of an open normal row is positive; that of a tangential row has the direction of slip.
       motion[i] = jump[static_cast<Eigen::Index>(i)] < 0 ? Motion::Backward : Motion::Forward;
 }
 
+// S = W_mm - W_mr W_rr^-1 W_rm - K, m this ball and the contact rows, r the other balls. half_ = L^-1 W_rm.
 void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
   const Ordering& o = operators().inner->ordering;
   const Eigen::Index n = ball.unknowns, begin = static_cast<Eigen::Index>(ball.number) * n;
@@ -73,6 +88,7 @@ void BodyOperator::focus(const BallInMesh& ball, const Eigen::MatrixXd& K) {
   S.topLeftCorner(n, n) -= K;
 }
 
+// x_r = -W_rr^-1 W_rm x_m, by the factor of W_rr.
 Eigen::VectorXd BodyOperator::others(const Eigen::VectorXd& mine) const {
   Eigen::VectorXd moved = -multiply(half_, mine);
   if (moved.size() > 0) rest_.triangularView<Eigen::Lower>().transpose().solveInPlace(moved);
@@ -94,6 +110,7 @@ bool same_motions(const BodyOperator& b, const std::vector<Motion>& motion) {
   return std::ranges::all_of(b.points, [&](const ContactPoint& p) {
     if (!same(p.normal)) return false;
     const auto n = static_cast<std::size_t>(p.normal);
+    // Without resistance a row may slide either way with the same force 0.
     const bool resists = p.slip_bound > 0 || (p.friction > 0 && b.motion[n] == Motion::Held);
     return p.tangential == none || !resists || same(p.tangential);
   });
@@ -117,6 +134,7 @@ std::vector<SlidingPoint> given_forces(const BodyOperator& b, const std::vector<
 // The contact rows alone, everything else eliminated: S x = r + forces. Which rows hold, then the change itself: rows
 // that close, stick, or stay so have their jump given, the others their force.
 void settle(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& r, BallChange& c) {
+  // In terms of the changed state: S (j + w_j) = S j + r - p_c + (p_c + g).
   const Contact contact = dual_qp(S, S * b.jump + r - b.force, b.points, b.motion);
   if (!contact.converged)
     throw Error(Fault::Numerics, "contact did not settle in the body with a change of finite size");
@@ -153,6 +171,7 @@ class RadiusProblem {
     eliminate_contour();
   }
 
+  // The state of the first body tells the load; ball and contact rows first, then the contour, then the energy.
   void solve(const BodyOperator& b) {
     const Before before{on_edges(b.model->inner->skeleton, of_.contour, b.state->skeleton),
                         forces_from(*b.model, *b.state, of_.contour, of_.disc)};
@@ -191,9 +210,11 @@ class RadiusProblem {
     return setting_.becomes == Becomes::Clamp;
   }
 
+  // outer_ = K00 - K0k (Kkk + K*)^-1 Kk0; a clamp gives the contour, and K00 remains.
   void eliminate_contour() {
     outer_ = K00();
     if (clamped()) return;
+    // Kkk of the annulus, and of what fills the disc.
     Eigen::MatrixXd M = Kkk();
     if (of_.inner) M += of_.inner->K;
     middle_ = cholesky(M);
@@ -216,6 +237,7 @@ class RadiusProblem {
   // The ball's boundary, after the rows in contact.
   void move_ball(const BodyOperator& b, const Eigen::MatrixXd& S, const Eigen::VectorXd& load, BallChange& c) const {
     const Eigen::Index contact = S.rows() - n_;
+    // The ball is eliminated, contact settled by what is left, then the ball follows.
     const Eigen::LLT<Eigen::MatrixXd> of_ball = cholesky(S.topLeftCorner(n_, n_));
     c.contact.setZero(contact);
     c.push.setZero(contact);
@@ -248,6 +270,7 @@ class RadiusProblem {
       change += energy_inside(inner_state(*of_.inner, setting_.kernel, setting_.inner_scene,
                                           setting_.body ? after : strained(m, of_.contour, after), setting_.body));
     }
+    // `load` on the contour includes the force of a new content; outside the disc the annulus alone counts.
     const Eigen::VectorXd outside =
         of_.inner ? Eigen::VectorXd(K0k().transpose() * c.ball + Kkk() * c.contour) : c.load;
     change +=
@@ -270,6 +293,7 @@ std::vector<ChangedBall> solve_ball(const DifferenceSetting& setting, const Ball
   const Index radii = ball.all_shells() - 1;
   {
     const std::vector<bool> whole = ball.shells(0, ball.all_shells());
+    // The ball as it is: what is taken off W before its own pieces are put in.
     const CondensedPiece full =
         condense({setting.whole, whole, ball.contours[0]}, setting.kernel, setting.scene, false);
     for (BodyOperator& b : bodies) b.focus(ball, full.K);

@@ -1,3 +1,6 @@
+// Balls around sites that keep apart share a mesh, a factor that keeps the balls' boundaries, and one analysis [theory:
+// V.2].
+
 #include "topo/validate/batch.hpp"
 
 namespace kerf {

@@ -1,3 +1,6 @@
+// T at the center of a ball by polynomials of degree 4 in the mean of squares over the inner half of the ball, weighted
+// by area (15 coefficients; the fit keeps the order of the element and averages its noise).
+
 #include "topo/validate/center.hpp"
 
 #include "solver/system.hpp"
@@ -7,6 +10,7 @@
 
 namespace kerf {
 
+// Polynomials in places over half the ball's radius: their constant is the value at the center.
 Center::Center(const Model& m, const BallIn& ball) : m_(m), at_(ball.at), last_(ball.end - 1) {
   constexpr double inner_part = 0.5;
   const double radius = inner_part * ball.radius;
@@ -26,6 +30,7 @@ Center::Center(const Model& m, const BallIn& ball) : m_(m), at_(ball.at), last_(
   fit_.compute(a);
 }
 
+// T, what it could be without cancellation, and its parts, all from the fitted fields.
 Center::Value Center::value(const Expansion& e) const {
   PointValues v = point_values(
       e, [&](const FieldOf& of) { return stress(of.field); },
@@ -36,6 +41,7 @@ Center::Value Center::value(const Expansion& e) const {
   return {t.value, size_of(e, v), modes_of(e, v, t)};
 }
 
+// The element's own stress at centroids, not recovered: the fit averages.
 Eigen::Vector3d Center::stress(const Field& s) const {
   Eigen::Matrix<double, Eigen::Dynamic, 3> v(weight_.size(), 3);
   for (Eigen::Index i = 0; i < v.rows(); ++i) {

@@ -1,3 +1,6 @@
+// The scene with a change in it: by the caller's tables, or by the library's rule (a region, a clamp, a crack in
+// contact).
+
 #include "topo/validate/changed_scene.hpp"
 
 #include "topo/formulas/kind.hpp"
@@ -21,6 +24,7 @@ void add_inclusion(Index around, const Material& inside, Scene& scene) {
 
 }  // namespace
 
+// A clamp is a support on `rim`, a label that the mesh gets for it; a hole changes no scene.
 Scene changed_scene(const Scene& scene, Index rim, const Perturbation& p, const ScenesOfChanges& drawn,
                     const DrawnChangeAt& at) {
   if (drawn) return drawn(p, at);

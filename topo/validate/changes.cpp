@@ -1,3 +1,5 @@
+// What small changes do to J, each alone and contact free, by condensation onto balls [theory: V.2].
+
 #include "topo/changes.hpp"
 
 #include "topo/analysis.hpp"
@@ -6,6 +8,7 @@
 
 namespace kerf {
 
+// Changes without room keep NaN. A mesh per batch serves all scenes.
 ChangesMade changes_at(const ChangingBody& body, const Perturbation& p, std::span<const SmallChange> changes) {
   constexpr int sides = 32;
   if (!can_validate(body.element))

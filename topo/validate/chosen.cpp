@@ -1,3 +1,6 @@
+// Two points to validate at: of a grid over the body those where the least part of T is the largest share (an error in
+// a part is seen by its share), with room for the radii and T not small (docs/theory/validation.md, "The verdict").
+
 #include "topo/validate/chosen.hpp"
 
 #include "solver/system.hpp"
@@ -15,6 +18,7 @@ namespace kerf {
 namespace {
 
 // How much of T its least part is; 1 is as good as a third.
+// The second factor: T that cancels to a small share of its parts is a bad place.
 double visibility(const std::vector<Mode>& modes, double T) {
   constexpr double plenty = 1. / 3;
   double least = plenty, sum = 0;
@@ -31,6 +35,7 @@ struct Candidate {
 
 }  // namespace
 
+// The best point, and the best of those a quarter of the body away that is half as good.
 std::vector<Vec2> chosen_points(const Choice& c) {
   const Model& m = *c.a.model;
   std::vector<Vec2> x;
@@ -70,6 +75,7 @@ std::vector<Vec2> chosen_points(const Choice& c) {
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
   const double typical = sizes[sizes.size() / 2];
   constexpr double enough = 4;  // radii to the next feature
+  // Visible parts, room and a T of typical size: each takes its share off.
   const auto value = [&](const Candidate& k) {
     constexpr double blind = 0.02;  // a point that misses a mode is better than none
     return (blind + k.score) * std::min(1.0, k.room / enough) * (typical > 0 ? std::min(1.0, k.size / typical) : 1);

@@ -1,3 +1,6 @@
+// A piece of a mesh condensed onto some of its edges: its Schur complement (a Steklov-Poincare operator) and its load,
+// from a factor with the kept rows last [theory: C.7, V.2].
+
 #include "topo/validate/condense.hpp"
 
 #include <fmt/core.h>
@@ -6,6 +9,8 @@
 
 namespace kerf {
 
+// Loads on the boundary and supports belong to the body around; a ball has its own material, and its forces where asked
+// for.
 CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene, bool body) {
   require(k.element, can_validate);
   CondensedPiece p;
@@ -34,12 +39,15 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
   p.factor = Factor(K, 0, true, p.ordering.interface_rows);
   p.K = p.factor.interface_complement();
   p.K.diagonal().array() -= p.shift;
+  // K = L22 L22' - shift; the load is L22 times the last part of L^-1 F.
   p.load = p.factor.interface_factor().triangularView<Eigen::Lower>() *
            p.factor.forward(p.system.F).tail(p.ordering.interface_rows);
   return p;
 }
 
+// All unknowns of the piece from those that were kept.
 Eigen::VectorXd complete(const CondensedPiece& p, const Eigen::VectorXd& kept, bool body) {
+  // Backward substitution with the kept rows given: y of the kept rows is L22' x.
   Eigen::VectorXd y = body ? p.factor.forward(p.system.F) : Eigen::VectorXd::Zero(p.ordering.size).eval();
   y.tail(kept.size()) = p.factor.interface_factor().triangularView<Eigen::Lower>().transpose() * kept;
   const Eigen::VectorXd x = p.factor.backward(y);

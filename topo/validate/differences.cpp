@@ -1,3 +1,12 @@
+// J of a body changed at finite radius less J, term by term, from the change w of the state [theory: V.5, V.6].
+// Energies are exact in terms of w. Of other functionals
+//   J_eps - J = int_outside (j'(z) w + [j(z + w) - j(z) - j'(z) w])
+//             + int_ring (j(z + w) - j(z)) - int_disc j(z) [+ j*(z + w)],
+// the part outside the balls by topo/validate/far_field.cpp, with the derivative exactly; in the ring of the ball the
+// difference of the densities at the points of the rule; in the disc what is lost and what a new content has. Powers of
+// an integral change by I^q expm1(q log1p(dI/I)), which keeps the digits of small dI. Derived in
+// docs/theory/validation.md, section "The difference problem".
+
 #include "topo/validate/differences.hpp"
 
 #include "topo/analysis.hpp"
@@ -19,6 +28,7 @@ bool sees_fields(const Term& term) {
 double change_of_power(const Term& term, double value, double d) {
   if (term.power == 1) return term.factor * d;
   const double before = std::pow(value, 1 / term.power);
+  // A norm of nothing: its change is the power of the change itself.
   if (before == 0) return term.factor * std::pow(std::max(d, 0.0), term.power);
   return term.factor * value * std::expm1(term.power * std::log1p(d / before));
 }
@@ -36,6 +46,7 @@ struct Differences::Changed {
 namespace {
 
 // Of what fills the discs of inclusions: the same material everywhere, with the eigenstrain that it has at each ball.
+// Each ball asks for the scene of its own change, as its tables may give another eigenstrain to each place.
 Scene filling(const BallsInBody& in, const Perturbation& p, const ScenesOfChanges& drawn) {
   const Model& m = *in.a.model;
   Scene inside = m.scene;
@@ -67,6 +78,7 @@ Differences::Differences(const BallsInBody& in, const Perturbation& p, const Pre
   if (in.a.measured) bodies_.emplace_back(*in.a.measured_model, *in.a.measured, how);
 }
 
+// A ball's triangles are consecutive in the mesh, and its boundary rows among those kept.
 BallInMesh Differences::ball(std::size_t number, const BallMesh& mesh) const {
   const auto& contours = in_.filled.contour[number];
   return {.number = number,
@@ -78,6 +90,7 @@ BallInMesh Differences::ball(std::size_t number, const BallMesh& mesh) const {
           .unknowns = static_cast<Eigen::Index>(contours[0].size()) * in_.a.model->inner->skeleton.per_edge};
 }
 
+// Balls one after the other with their radii in parallel; far fields of all of them at once.
 std::vector<std::vector<Difference>> Differences::all(const std::vector<BallMesh>& balls) {
   std::vector<std::vector<ChangedBall>> changed;
   for (std::size_t b = 0; b < balls.size(); ++b) changed.push_back(solve_ball(setting_, ball(b, balls[b]), bodies_));
@@ -94,6 +107,8 @@ std::vector<std::vector<Difference>> Differences::all(const std::vector<BallMesh
   return results;
 }
 
+// Skeleton and forces of contact of the change everywhere, from the columns of the far field; interiors in the ring
+// alone.
 void Differences::fill_near(const ChangedBall& of, Field& near) const {
   const Skeleton& skeleton = in_.a.model->inner->skeleton;
   const Ordering& o = bodies_[0].operators().inner->ordering;
@@ -110,6 +125,7 @@ void Differences::fill_near(const ChangedBall& of, Field& near) const {
   add_fields(near, *of.annulus, complete(*of.annulus, edges, false), setting_.kernel, setting_.scene);
 }
 
+// Fields are made only where some term sees them: energies have their change already.
 Difference Differences::finish(const BallInMesh& ball, const ChangedBall& of, Field& near) const {
   Changed c{of, near, std::vector<bool>(of.disc.size(), false), {}};
   for (Index t = ball.first; t < ball.end; ++t) c.ring[t] = !of.disc[t];

@@ -1,3 +1,11 @@
+// One radius of a validation drawn into the body and solved for as any body is: another mesh, refined where the case's
+// is singular, an element of one degree more, contact free, another number of sides [theory: V.9]. That tests the
+// expansion against what a user would compute, not against the series' own mesh. Up to six changes share a mesh. The
+// first is solved for wholly; if the difference problem agrees with it to 1e-3, it answers for the others, else each
+// has a body of its own. The formula T_f is taken on the same mesh. Slits change the mesh with their length: bonded and
+// in contact on one mesh, and where tips make J converge slowly on half as many sides as well [theory: V.12]. Derived
+// in docs/theory/validation.md, section "The verdict".
+
 #include "topo/validate/drawn.hpp"
 
 #include "geometry/part.hpp"
@@ -28,6 +36,7 @@ State solved_with_change(const Model& m) {
   return s;
 }
 
+// Meshes are graded as the solution of the case asks for, with `longer` times its edges.
 class Drawer {
  public:
   Drawer(const Sketch& sketch, const std::vector<Change>& changes)
@@ -39,6 +48,7 @@ class Drawer {
                    better_sizes(mesh, corners, singular_corners(sketch.own, sketch.state, corners), sketch.longer)};
   }
 
+  // Slits one by one; others in batches whose balls keep apart.
   std::vector<Redrawn> all() {
     if (row(sketch_.p).becomes == Becomes::Slit) {
       std::vector<Redrawn> found;
@@ -104,6 +114,7 @@ class Drawer {
     }
   }
 
+  // T at the same center on the drawn body's mesh.
   double formula(const Analysis& a, const BallIn& ball, const Change& c) const {
     if (!has_series(sketch_.p)) return clamped_at(a, sketch_.j, c.radius, std::span(&ball.at, 1))[0];
     const Perturbation p = turned(c);
@@ -121,6 +132,7 @@ class Drawer {
   }
 
   // The body with the disc taken out, held at its rim, or made of another material.
+  // A clamp's rim has no label in the mesh of a hole: the edges that the disc leaves without one.
   Model with_change(const Mesh& whole, const std::vector<bool>& disc, const Change& c) const {
     const Index inside = static_cast<Index>(std::ranges::find(disc, true) - disc.begin());
     Scene scene = scene_of(c, region_of(whole, inside));
@@ -157,6 +169,7 @@ class Drawer {
   Redrawn slit_on(const Site& site, const Change& c, int n, std::vector<double>& changes) {
     const Filled f = fill(outside({site}, n), {slit_mesh({site.at, site.ball, n}, c.radius, c.angle)});
     const Scene cracked = scene_of(c, none);
+    // The law of the slit is the last one.
     Scene bonded = cracked;
     bonded.laws.back() = {.kind = CrackLaw::Kind::Bonded};
     const Model whole = prepared(f.mesh, bonded), broken = prepared(f.mesh, cracked);

@@ -1,3 +1,11 @@
+// What changes in balls do outside them, for all radii of all balls at once [theory: V.6]. A column is one radius of
+// one ball: the change on the balls and on the contact rows, extended to the skeleton of the whole by one backward
+// substitution of many columns, then to the interiors triangle by triangle. Each term gets
+//   int_outside j'(z) w  exactly, by the derivative, and  j(z + w) - j(z) - j'(z) w  at the centroids of triangles,
+// which is right where w is small and smooth; within 2.5 radii of the ball the plain difference by a rule for quintics
+// takes the place of both. Sums leave out the triangles of the ball itself. docs/theory/validation.md, section "The
+// difference problem".
+
 #include "topo/validate/far_field.hpp"
 
 #include "base/parallel.hpp"
@@ -19,6 +27,7 @@ struct Disc {
   Eigen::Index at, count;
 };
 
+// Numbers all radii of all balls as columns.
 class Outside {
  public:
   Outside(const BallsInBody& in, const BodyOperator& body, std::vector<std::vector<ChangedBall>>& changed)
@@ -39,6 +48,7 @@ class Outside {
   }
 
  private:
+  // Center and radius by the box of the ball's contour.
   void add_ball(std::size_t b, std::vector<ChangedBall>& radii) {
     Vec2 low = Vec2::Constant(infinity), high = -low;
     for (const Index e : in_.filled.contour[b][0])
@@ -69,6 +79,8 @@ class Outside {
   }
 
   // Row i * columns + k: change k of the domain integral of term i; a column per triangle.
+  // terms x columns numbers per triangle, summed afterwards in the order of the triangles: the same for any number of
+  // threads.
   Eigen::MatrixXd densities(const FarField& far) const {
     const Index triangles = static_cast<Index>(m_.mesh.triangles.size());
     Eigen::MatrixXd part = Eigen::MatrixXd::Zero(terms_ * count_, triangles);
@@ -109,6 +121,7 @@ class Outside {
         sum.segment(b.at, b.count) = changes_on(term, m_, *in_.a.state, t, w.middleCols(b.at, b.count));
   }
 
+  // Each change without the triangles of its own ball.
   void share_out(const Eigen::MatrixXd& part) const {
     for (Eigen::Index k = 0; k < count_; ++k) {
       const Column& c = columns_[static_cast<std::size_t>(k)];

@@ -1,3 +1,10 @@
+// Where the balls of a validation go: the distance of a point to all features of the shape, the radii that fit into it,
+// and batches of balls that keep apart. A radius fits if the change reaches at most 0.6 of the clear distance. The ball
+// around it is at least twice the largest change where there is room, and at most 0.88 of the clear distance (0.85 and
+// 1.7 for a ball of one change): the ring between them is meshed in shells. Distances are those to the drawn shape,
+// arcs flattened to 1e-4 of its size, not to a mesh. Rings of functionals count by their outer radius.
+// docs/theory/validation.md, section "One mesh".
+
 #include "topo/validate/sites.hpp"
 
 #include "geometry/ball.hpp"
@@ -18,6 +25,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
   const double size = extent(shape);
   double least = infinity;
   in_body = true;
+  // Regions are features, and not outside the body.
   const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
     const Polygon p = flatten(l, 1e-4 * size, size);
     for (std::size_t i = 0; i < p.points.size(); ++i)
@@ -56,7 +64,9 @@ double ball_of_one(const Site& s, double reach) {
   return std::min(0.85 * s.clear, 1.7 * reach);
 }
 
+// Balls of a batch keep a tenth of the sum of their radii between them.
 std::vector<std::vector<Site>> in_batches(const std::vector<Site>& sites, std::size_t most) {
+  // First fit, in the order of the points.
   constexpr double apart = 1.1;
   std::vector<std::vector<Site>> batches;
   for (const Site& s : sites) {
@@ -90,6 +100,7 @@ std::vector<std::vector<Site>> place(const Shape& shape, const Functional& j, co
   return in_batches(sites, sites.size());
 }
 
+// Holes with polygons of that many sides: what fills them is put into the mesh afterwards.
 Shape with_balls(const Shape& shape, const std::vector<Site>& sites, int sides) {
   Shape outside = shape;
   outside.labels.emplace_back("balls of the validation");

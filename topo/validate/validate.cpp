@@ -1,3 +1,12 @@
+// Validation of an expansion at points: the change is made at finite radii, and differences of J are compared with area
+// times T. 1. The body is solved on the mesh of the case; points are chosen where none are given. 2. Points in batches
+// whose balls keep apart: a mesh with nested polygons of 64 sides around each, one factor, and the difference problem
+// per radius [theory: V.1, V.2]. Slits are solved twice per radius, bonded and in contact. 3. The series of radii is
+// judged [theory: V.7, V.8, V.10] and withdrawn where it has not begun [theory: V.11]. 4. What it says is compared with
+// one radius drawn into the body on another mesh, first a coarse, then a fine one [theory: V.9]. 5. "Fails" is kept
+// only where radii ten times smaller say it again. A verdict is about a point and its radii. Derived in
+// docs/theory/validation.md.
+
 #include "kerf/validate.hpp"
 
 #include "geometry/plane.hpp"
@@ -36,11 +45,13 @@ double plateau_of(const Element& e, const Perturbation& p) {
   return round * aspect(p);
 }
 
+// Largest radius first, each once.
 ValidationRequest checked(ValidationRequest r, double size) {
   std::sort(r.radii.begin(), r.radii.end(), std::greater<>());
   r.radii.erase(std::unique(r.radii.begin(), r.radii.end()), r.radii.end());
   if (r.radii.empty() || !(r.radii.back() > 0))
     throw Error(Fault::Usage, "validation needs positive radii; give radii in [validate]");
+  // The order divides by the logarithm of the ratio of two radii.
   constexpr double least = 1e-6, apart = 1.05;
   if (r.radii.back() < least * size)
     throw Error(Fault::Usage, fmt::format("radius {:.3g} of the validation is too small for a mesh: use {:.2g} or more",
@@ -83,6 +94,7 @@ void no_radius_fits(const Site& s, Validation& v) {
 
 // Of what J could change by if nothing in its derivative cancelled, what its rounding is at most, many times over: a
 // crack that stays closed, say, has no opening to change.
+// Row by row of the interior: coefficients of stresses and of displacements have different units.
 double faint_change(const Analysis& a) {
   constexpr double faint = 1e-10;
   const Sensitivity& d = a.derivative;
@@ -106,6 +118,7 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
           shape.cracks[c].arc ? points_on(*shape.cracks[c].arc, 2) : shape.cracks[c].points;
       if (points.front() == points.back()) continue;  // closed: no tips
       for (const Vec2& tip : {points.front(), points.back()}) {
+        // Some deviator tells whether the weight lets the tip count.
         const FieldPoint at{.x = tip, .stress = Vec2(1, -1).asDiagonal(), .material = scene.material};
         if (term.density(at).value > 0)
           return fmt::format(
@@ -118,8 +131,10 @@ std::optional<std::string> infinite(const Functional& j, const Shape& shape, con
   return std::nullopt;
 }
 
+// One validation of all points: the body as it is, then batch by batch.
 class Validating {
  public:
+  // `again`: the second time, with smaller radii.
   Validating(const Meshing& meshing, const Element& e, const Scene& scene, const Functional& j,
              const ValidationRequest& request, bool again)
       : again_(again),
@@ -138,6 +153,7 @@ class Validating {
     if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
   }
 
+  // A run that is told to stop keeps the verdicts that are done.
   std::vector<Validation> run() {
     for (const Vec2& at : r_.points) results_.push_back(blank(at, r_.radii));
     if (const auto words = infinite(j_, shape_, scene_)) {
@@ -201,6 +217,7 @@ class Validating {
     } catch (const Error& e) {
       second = {.verdict = Verdict::NothingSaid, .reason = e.what()};
     }
+    // What is wrong: the limit of the series, or its second term.
     const auto apart = [&](const Validation& of) {
       return of.drawn.apart == 0 ? of.c2 - of.c2_predicted : of.drawn.apart;
     };
@@ -262,6 +279,7 @@ class Validating {
     }
   }
 
+  // What cannot be drawn or solved says nothing: the series alone does not hold.
   void draw_on(double longer, const std::vector<Change>& changes) {
     std::vector<Redrawn> drawn;
     try {
@@ -276,6 +294,7 @@ class Validating {
     for (std::size_t i = 0; i < changes.size(); ++i) compare(changes[i], drawn[i]);
   }
 
+  // A J of stresses that two meshes tell differently may be infinite, whatever its differences say.
   void compare(const Change& c, const Redrawn& d) {
     Validation& v = results_[c.site.number];
     const bool clamped = !has_series(r_.perturbation);
@@ -291,6 +310,7 @@ class Validating {
                            analysis_.value, d.J0);
   }
 
+  // One mesh, one factor and one analysis; T at each center and the differences of each radius.
   void validate_batch(const std::vector<Site>& sites) {
     const Batch batch = mesh_batch({shape_, sizing_}, sites, around, {aspect(r_.perturbation), angle_});
     const SolvedBatch solved(batch, {element_, scene_, r_.threads, &r_.scenes}, j_, r_.perturbation);
@@ -322,6 +342,7 @@ class Validating {
     v.size = std::max(v.size, parts);
   }
 
+  // Of the same body on two meshes: their difference is what a mesh leaves of c2.
   void read_second(SecondOrders& on_series, const Site& site, Validation& v) {
     const SecondOrder found = on_series.at(site.at);
     v.logarithm = found.logarithm;
@@ -336,6 +357,8 @@ class Validating {
     return *second_;
   }
 
+  // An inclusion of the same material changes nothing, and rounding is no verdict. What does not hold is asked whether
+  // the radii are beyond the series.
   void judge_series(const Site& site, const std::vector<double>& scales, SecondOrders& on_series) {
     Validation& v = results_[site.number];
     judge(v, r_.perturbation, scales, site.clear);
@@ -363,6 +386,7 @@ class Validating {
                                 const std::vector<Difference>& found, Validation& v) const {
     std::vector<double> scales(v.rows.size(), nan);
     for (std::size_t k = 0, row = 0; k < site.radii.size(); ++k) {
+      // Rows of radii that do not fit stay blank.
       while (v.rows[row].radius != site.radii[k]) ++row;
       ValidationRow& to = v.rows[row];
       scales[row] = ball.enclosed_area[k + 1];

@@ -1,3 +1,15 @@
+// The verdict of a series of radii eps_i with differences D_i = (J(eps_i) - J)/f(eps_i), f the exact area [theory: V.7,
+// V.8].
+//   D = T' + c2 eps^2 + c4 eps^4 (or c3 eps^2 ln eps),
+//   R_i = (D_i - T) f(eps_i),   order_i = ln |R_i/R_(i+1)| / ln(eps_i/eps_(i+1)).
+// The fits of three and four radii leave an interval [T'_-, T'_+] for the limit. With a = max(1e-3, 3 plateau) the
+// series agrees with T when the interval, widened by a |T|, holds T and is narrow, and one of three besides: an order
+// near 4, the two smallest radii within 3 plateaus, or four radii on one curve. It fails when T lies farther outside
+// than a |T| and half the interval. Between the two it is out of range, or nothing can be said, and the reason is told.
+// A clamped hole has no T: its prediction takes the place, and all is in multiples of it [theory: T.30]. `conclude`
+// adds what a change drawn on another mesh says [theory: V.9]; `withdraw` takes back what radii too large for the body
+// say [theory: V.11]. Derived in docs/theory/validation.md, section "The verdict".
+
 #include "topo/validate/verdict.hpp"
 
 #include "base/dense.hpp"
@@ -31,11 +43,13 @@ struct Sample {
 
 enum class Terms { Square, Logarithm, Both, Even };
 
+// T, c2 and the coefficient of the last term; those that are not asked for are 0.
 Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length) {
   const bool square = terms != Terms::Logarithm, even = terms == Terms::Even,
              logarithm = terms == Terms::Logarithm || terms == Terms::Both;
   const Eigen::Index n = static_cast<Eigen::Index>(s.size()),
                      unknowns = 1 + (square ? 1 : 0) + (logarithm || even ? 1 : 0);
+  // Columns in units of the largest radius: without that their sizes would differ by eps^4.
   const double per = s.front().radius * s.front().radius;
   Eigen::MatrixXd a(n, unknowns);
   Eigen::VectorXd b(n);
@@ -55,6 +69,7 @@ Eigen::Vector3d solve_fit(std::span<const Sample> s, Terms terms, double length)
   return {c[0], (square ? c[1] / per : 0) - c3 * std::log(length), c3};
 }
 
+// From the smallest radii; the interval holds every fit that was taken.
 Fit fit(std::span<const Sample> s, double length, Terms both) {
   Fit f;
   if (s.size() < 2) return f;
@@ -65,6 +80,7 @@ Fit fit(std::span<const Sample> s, double length, Terms both) {
     if (s.size() >= 4) f.low_c2 = std::min(f.low_c2, c[1]), f.high_c2 = std::max(f.high_c2, c[1]);
     f.intercept = c[0], f.c2 = c[1], f.last = c[2];
   };
+  // The last fit taken is the one that is told: of four radii all of them.
   if (s.size() >= 3) take(s.last(3), both);
   if (s.size() >= 4) {
     take(s.last(4).first(3), both);
@@ -125,6 +141,7 @@ class Series {
     if (std::isfinite(v_.c2_predicted)) predict_second();
   }
 
+  // In this order: too few numbers, nothing there, agreement, reasons for none, failure, and what is open.
   Finding finding() const {
     if (computed_ < 2)
       return {Verdict::OutOfRange,
@@ -148,9 +165,11 @@ class Series {
                             v_.c2_predicted, fit_.low_c2, fit_.high_c2)};
       return {Verdict::Holds, how_it_holds() + second_in_words()};
     }
+    // Reasons before "fails": what explains a wrong limit without a wrong formula comes first.
     if (const auto words = beyond_contact_and_features()) return {Verdict::OutOfRange, *words};
     if (rounding_rules())
       return {Verdict::NothingSaid, "the differences of the smallest radii are rounding; use larger radii"};
+    // An error that is small against what T is made of, of a T that is itself a small rest.
     if (has_series_ && error <= allowed_ * could_be_ && std::abs(T_) < 0.1 * could_be_)
       return {Verdict::NothingSaid,
               fmt::format("the coefficient is {:.2g} of what stresses of this size could give: what cancels hides it; "
@@ -172,6 +191,7 @@ class Series {
     return best;
   }
   // 0 where what is wrong is not the limit.
+  // How far the limit is from T, in what the drawn change is measured by.
   double apart(std::size_t i) const {
     return excluded() ? (fit_.intercept - T_) * (has_series_ ? 1 : scale_[i]) : 0;
   }
@@ -225,6 +245,8 @@ class Series {
   // c2 by the formula lies outside of all that four radii leave open, by more than what the mesh leaves of it.
   double beyond_second() const {
     if (!std::isfinite(v_.c2_predicted) || !(fit_.low_c2 <= fit_.high_c2)) return 0;
+    // b of docs/theory/validation.md: 2 % of c2, three times what two meshes differ by, a third of the plateau over
+    // eps^2.
     constexpr double formula = 0.02, meshes = 3, noise = 1.0 / 3;
     const double largest = rows_[first_fitted()].radius, own = std::abs(v_.c2_predicted - v_.c2_on_mesh),
                  allowed = formula * std::abs(v_.c2_predicted) + 0.5 * (fit_.high_c2 - fit_.low_c2) +
@@ -239,6 +261,7 @@ class Series {
       if (computed(--i)) --left;
     return i;
   }
+  // What c2 says beside a verdict that it does not decide.
   std::string second_in_words() const {
     if (!std::isfinite(v_.c2_predicted)) return {};
     std::string words = fmt::format("; c2 is {:.4g} by the formula and {:.4g} by the series", v_.c2_predicted, v_.c2);
@@ -249,6 +272,7 @@ class Series {
     return words;
   }
 
+  // From the largest radius to the smallest. Rows in a row near T count as settled; orders above the plateau alone.
   void count() {
     std::size_t before = rows_.size();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -279,6 +303,7 @@ class Series {
     return computed_ >= 4 && fit_.spread() <= 0.5 * allowed_ * std::abs(T_);
   }
 
+  // Ten times as much is allowed to the quotients themselves, which hold the c2 eps^2 of a T that vanishes.
   bool vanishes() const {
     const double nothing = std::max(10 * allowed_ * v_.size, infinitesimal);
     double largest = 0;
@@ -324,6 +349,7 @@ class Series {
                                      fit_.intercept, v_.order);
   }
 
+  // Features, contact, radii that are too large, in this order.
   std::optional<std::string> beyond_contact_and_features() const {
     if (reach_ * rows_[last_].radius > 0.25 * clear_)
       return fmt::format("the radii are too large: the nearest feature is {:.3g} away; use radii below {:.3g}", clear_,
@@ -396,6 +422,7 @@ void judge(Validation& v, const Perturbation& p, const std::vector<double>& scal
   if (!has_series(p)) v.drawn.predicted = v.rows[row].predicted;
 }
 
+// Only where the body, not a feature nearby, is what the radii are too large for.
 void withdraw(Validation& v, double answer_radius, double clear) {
   constexpr double small = 0.25;
   double least = nan;
@@ -410,6 +437,9 @@ void withdraw(Validation& v, double answer_radius, double clear) {
       answer_radius, small * answer_radius);
 }
 
+// The bar is three times the largest of what map, series and drawn change differ by. "Fails" stays where the drawn
+// change says at least half of it; "holds" where the drawn change agrees with its own formula and the map depends
+// little on the mesh.
 void conclude(Validation& v, double area, bool clamped) {
   // Half as large it held 92 of 102 truths on random bodies.
   constexpr double of_formula = 5e-3, of_mesh = 0.1, safety = 3;

@@ -29,6 +29,7 @@ void add_area_of_circle(const VectorXd& v, double& area, VectorXd* gradient) {
   if (gradient) (*gradient)[2] = 2 * pi * v[2];
 }
 
+// The start's radius is what a map without data is made for.
 Sought seek_circle(const Drawn& d, const Problem&) {
   return {
       .low = d.lower.head<2>(), .high = d.upper.head<2>(), .least = d.lower[2], .most = d.upper[2], .size = d.start[2]};

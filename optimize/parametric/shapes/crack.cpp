@@ -1,4 +1,8 @@
-// A crack: x, y of the vertices of its path, from start to end.
+// A crack: x, y of the vertices of its path, from start to end. Vertices of the mesh keep their edge and their share of
+// it. Constraints see each edge in eight samples; next to a fixed end, which may lie on another thing, the last quarter
+// of the edge is left out against fixed things. A path keeps its edges as long as the least distance, turns by less
+// than 120 degrees and comes nowhere nearer to itself than that distance. A guess is a straight crack at one of 24
+// angles, between the boxes of its ends [theory: I.1]. docs/theory/inverse.md.
 
 #include "optimize/parametric/shapes/shape.hpp"
 
@@ -38,6 +42,7 @@ std::function<Spot(const Vec2& x)> locate_on_crack(const VectorXd& v, double) {
   return [points = path(v)](const Vec2& x) { return place_on(points, false, x); };
 }
 
+// Linear in both ends of its edge.
 Vec2 position_on_crack(const Spot& spot, const VectorXd& v) {
   return vertex_of_crack(v, spot.piece) +
          spot.part * (vertex_of_crack(v, spot.piece + 1) - vertex_of_crack(v, spot.piece));
@@ -83,6 +88,7 @@ DesignCurve crack_boundary(const Drawn& d, const VectorXd& v, bool cut) {
   return c;
 }
 
+// 1 - |b - a|/least, t the direction of the edge.
 Constraint long_enough(const Drawn& d, Eigen::Index first, Eigen::Index i, double least) {
   return own_constraint(fmt::format("edge {} of {} is shorter than {:.4g}", i / 2 + 1, name(d), least), first,
                         d.lower.size(), [=](const VectorXd& v, VectorXd& by) {
@@ -95,6 +101,7 @@ Constraint long_enough(const Drawn& d, Eigen::Index first, Eigen::Index i, doubl
                         });
 }
 
+// fold - cos of the turn between two edges.
 Constraint without_fold(const Drawn& d, Eigen::Index first, Eigen::Index i) {
   return own_constraint(fmt::format("{} folds at its point {}", name(d), i / 2 + 2), first, d.lower.size(),
                         [=](const VectorXd& v, VectorXd& by) {
@@ -119,6 +126,7 @@ DesignCurve edge(const VectorXd& v, Eigen::Index at) {
   return c;
 }
 
+// Of edges that share no vertex; both belong to the same variables.
 Constraint edges_apart(const Drawn& d, Eigen::Index first, std::array<Eigen::Index, 2> at, double least) {
   const auto [i, k] = at;
   const Eigen::Index n = d.lower.size();
@@ -143,6 +151,7 @@ void constrain_crack(const Drawn& d, Eigen::Index first, double least, std::vect
 }
 
 /// Straight cracks in all directions.
+/// Half the least and the largest distance of the boxes of both ends.
 Sought seek_crack(const Drawn& d, const Problem&) {
   const VectorXd &l = d.lower, &u = d.upper;
   const Eigen::Index last = l.size() - 2;
@@ -174,6 +183,7 @@ VectorXd guessed_crack(const Guess& g, const Drawn& d) {
       w.segment<2>(2 * i) = g.at + sign * (2.0 * static_cast<double>(i) / static_cast<double>(pieces) - 1) * half;
     return w;
   };
+  // A path has two directions: the one that leaves its boxes less.
   const auto outside = [&](const VectorXd& w) { return (w - w.cwiseMax(d.lower).cwiseMin(d.upper)).norm(); };
   return outside(path(-1)) < outside(path(1)) ? path(-1) : path(1);
 }

@@ -1,4 +1,8 @@
-// An elliptic hole: center x, y, semi-axes a, b, angle of the first (radians).
+// An elliptic hole: center x, y, semi-axes a, b, angle of the first (radians). A vertex of the mesh keeps its place in
+// the axes, x = center + R(angle) diag(a, b) local, so that dx/dangle = R (-b local_2, a local_1) and the other
+// derivatives are columns of R times local. Constraints see 64 points on it, equidistant in the parameter, and their
+// derivatives. Its area is pi a b. A guess is a circular hole: the semi-axes begin equal, and the angle as the start
+// has it. docs/theory/inverse.md has the guess, docs/theory/shape_gradient.md the derivative by the vertices.
 
 #include "optimize/parametric/shapes/round.hpp"
 
@@ -57,6 +61,7 @@ void add_area_of_ellipse(const VectorXd& v, double& area, VectorXd* gradient) {
   if (gradient) gradient->segment<2>(2) = pi * Vec2(v[3], v[2]);
 }
 
+// x = c + a cos t e1 + b sin t e2, with de1/dangle = e2 and de2/dangle = -e1.
 DesignCurve ellipse_boundary(const Drawn&, const VectorXd& v, bool) {
   DesignCurve c = fixed_polyline({}, true);
   const Vec2 first(std::cos(v[4]), std::sin(v[4])), second(-first.y(), first.x());

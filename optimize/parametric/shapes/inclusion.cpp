@@ -31,6 +31,7 @@ void check_inclusion(const Drawn& d, const Problem& p) {
   require(d.lower[3] > 0, d, "Young's modulus must not vanish; give it a positive lower bound");
 }
 
+// A region has no label of its own; its material goes to the place of its number.
 void draw_inclusion(const Drawn& d, const VectorXd& v, const Problem& p, DrawnBody& body) {
   body.shape.regions.push_back(circle(d.name, v.head<2>(), v[2], none));
   body.scene.regions.push_back(material_of(d, v[3], p));

@@ -1,3 +1,5 @@
+// What circles, ellipses and circular inclusions share: places in their axes, x = center + axes local, and derivatives.
+
 #include "optimize/parametric/shapes/round.hpp"
 
 namespace kerf {
@@ -26,6 +28,7 @@ Vec2 position_on_disc(const Spot& spot, const VectorXd& v) {
   return v.head<2>() + axes * spot.local;
 }
 
+// x = center + radius local.
 void pull_disc(const Spot& spot, const VectorXd&, const Vec2& force, Eigen::Ref<VectorXd> sum) {
   sum.head<2>() += force;
   sum[2] += force.dot(spot.local);

@@ -1,3 +1,9 @@
+// The table of drawn things looked up, and what several of them need: constraints on one thing, cosines with their
+// derivatives, places on polylines, names and boxes of points. A kind of thing is a row of functions (shape.hpp): how
+// many variables it has, what it draws, where vertices lie on it, what keeps it meshable; each is in a file of its own
+// here. Constraints of a thing see its own variables alone: `own_constraint` puts the derivative to where these stand
+// in the design. What is wrong with a thing is Error(Usage) with its name.
+
 #include "optimize/parametric/shapes/shape.hpp"
 
 #include "geometry/plane.hpp"
@@ -46,6 +52,7 @@ Constraint own_constraint(std::string what, Eigen::Index first, Eigen::Index cou
           }};
 }
 
+// dc/da = b/(|a||b|) - c a/|a|^2; of a vector without length no direction is known.
 double cosine(const Vec2& a, const Vec2& b, Vec2& by_a, Vec2& by_b) {
   const double la = a.norm(), lb = b.norm();
   if (!(la > 0) || !(lb > 0)) {

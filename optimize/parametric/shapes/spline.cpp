@@ -1,4 +1,9 @@
-// A hole inside a closed uniform cubic B-spline: x, y of its control points, counter-clockwise.
+// A hole inside a closed uniform cubic B-spline: x, y of its control points, counter-clockwise. It is drawn as a
+// polygon with 4, 8, ... pieces per span until corners turn by at most 6 degrees, well below what counts as a corner of
+// the body, and sides are no longer than the mesh size. A vertex keeps its piece and share of it, so that it moves
+// linearly with the control points of both ends of the piece. The area 1/2 int x cross x' ds is exact with three Gauss
+// points per span. Three constraints keep the shape: its area at least that of a disc of the least distance (which also
+// fixes the sense), its thickness, its turns.
 
 #include "optimize/parametric/shapes/spline.hpp"
 
@@ -11,6 +16,7 @@
 
 namespace kerf {
 
+// The cubic B-spline basis of four control points, t the share of the span.
 SplineWeights spline_weights(Index n, double s) {
   const double floor = std::floor(s), t = s - floor;
   SplineWeights w{static_cast<Index>(floor) % n, {}, {}};
@@ -82,12 +88,14 @@ std::function<Spot(const Vec2& x)> locate_on_spline(const VectorXd& v, double si
   return [points = spline_polygon(v, spline_pieces(v, size))](const Vec2& x) { return place_on(points, true, x); };
 }
 
+// On the chord between two points of the spline.
 Vec2 position_on_spline(const Spot& spot, const VectorXd& v) {
   const double per_span = static_cast<double>(spot.pieces) / (static_cast<double>(v.size()) / 2);
   const Vec2 a = spline_point(v, spot.piece / per_span), b = spline_point(v, (spot.piece + 1) % spot.pieces / per_span);
   return a + spot.part * (b - a);
 }
 
+// To both ends of the chord by their shares, and from there to four control points each.
 void pull_spline(const Spot& spot, const VectorXd& v, const Vec2& force, Eigen::Ref<VectorXd> sum) {
   const auto n = static_cast<Index>(v.size() / 2);
   const double per_span = static_cast<double>(spot.pieces) / n;
@@ -119,6 +127,7 @@ void add_area_of_spline(const VectorXd& v, double& area, VectorXd* gradient) {
     }
 }
 
+// Points on the curve itself, not on the polygon drawn: their number must not depend on the variables.
 DesignCurve spline_boundary(const Drawn&, const VectorXd& v, bool) {
   DesignCurve c = fixed_polyline({}, true);
   const Eigen::Index n = v.size();
@@ -148,10 +157,12 @@ Constraint large_enough(const Drawn& d, Eigen::Index first, double least) {
                           double area = 0;
                           add_area_of_spline(v, area, &by);
                           by /= -smallest;
+                          // Far from its bound the value does not matter.
                           return std::max(1 - area / smallest, -1e3);
                         });
 }
 
+// Between points a quarter of the curve apart or more: nearer ones are neighbors.
 Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
   const Eigen::Index n = d.lower.size();
   return own_constraint(
@@ -160,6 +171,7 @@ Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
         const auto count = static_cast<Index>(c.points.size());
         SoftMinimum soft(least / sharpness, n, 0);
         for (Index i = 0; i < count; ++i)
+          // Each pair once, without neighbors along the curve on either side.
           for (Index k = i + count / 4; k < count && k <= i + count - count / 4; ++k) {
             const Vec2 away = c.points[static_cast<std::size_t>(i)] - c.points[static_cast<std::size_t>(k)];
             const double size = away.norm();
@@ -176,6 +188,7 @@ Constraint thick_enough(const Drawn& d, Eigen::Index first, double least) {
 }
 
 /// Neither loops nor cusps.
+/// Tangents half a span apart: a turn of more than 120 degrees there is a loop or a cusp.
 Constraint smooth_enough(const Drawn& d, Eigen::Index first) {
   const Eigen::Index n = d.lower.size();
   return own_constraint(name(d) + " turns too sharply", first, n, [=](const VectorXd& v, VectorXd& by) {
@@ -212,6 +225,7 @@ void constrain_spline(const Drawn& d, Eigen::Index first, double least, std::vec
   all.push_back(smooth_enough(d, first));
 }
 
+// The mean of the control points is that of the curve over its parameter.
 Vec2 middle(const VectorXd& xy) {
   Vec2 sum = Vec2::Zero();
   for (Eigen::Index i = 0; i + 1 < xy.size(); i += 2) sum += xy.segment<2>(i);
@@ -224,6 +238,7 @@ double mean_radius(const VectorXd& xy) {
   return 2 * sum / static_cast<double>(xy.size());
 }
 
+// Sizes between a quarter and four times that of the start, since boxes of control points say nothing of it.
 Sought seek_spline(const Drawn& d, const Problem&) {
   constexpr double range = 4;
   Sought s{.low = middle(d.lower),
@@ -234,6 +249,7 @@ Sought seek_spline(const Drawn& d, const Problem&) {
   return s;
 }
 
+// The start's shape, moved and scaled.
 VectorXd guessed_spline(const Guess& g, const Drawn& d) {
   VectorXd v = d.start;
   const Vec2 center = middle(v);
