@@ -287,6 +287,27 @@ TEST(Constraints, KnowOverlapCrossingAndLeaving) {
   EXPECT_GT(value("crack 'crack' folds", x), 0);
 }
 
+// A path whose first two edges cannot move: the third keeps off the first, and does not fold onto the second.
+TEST(Constraints, EdgesThatMoveKeepOffThoseThatDoNot) {
+  Problem p = everything();
+  VectorXd path(8);
+  path << -1, 0.5, -0.5, 0.5, 0, 0.5, 0.5, 0.7;
+  Design d{{drawn(Drawn::Kind::Crack, "crack", path, 0)}};
+  d.drawn[0].lower.tail<2>().array() -= 1;
+  d.drawn[0].upper.tail<2>().array() += 1;
+  std::map<std::string, double> value;
+  VectorXd x = start_of(d);
+  x.tail<2>() = Vec2(-0.8, 0.51);  // back over both
+  for (const Constraint& c : constraints(d, p, 0.1, {}))
+    value[c.name.substr(0, c.name.find(" of"))] = c.value(x, nullptr);
+  ASSERT_TRUE(value.contains("edges 1 and 3"));
+  EXPECT_GT(value.at("edges 1 and 3"), 0);
+  bool folds = false;
+  for (const Constraint& c : constraints(d, p, 0.1, {}))
+    folds = folds || (c.name.find("folds") != std::string::npos && c.value(x, nullptr) > 0);
+  EXPECT_TRUE(folds);
+}
+
 // Points that lie on each other: numbers all the same, and a way out.
 TEST(Constraints, StandThingsOfNoSize) {
   const Problem p = everything();

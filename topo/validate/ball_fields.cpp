@@ -70,7 +70,7 @@ Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<In
       const Eigen::VectorXd basis = trace_basis(m.inner->kernel.trace, rule.s[q]);
       for (Eigen::Index g = 0; g < basis.size(); ++g)
         f.segment<2>(static_cast<Eigen::Index>(i) * per + 2 * g) +=
-            basis[g] * (m.inner->skeleton.frame[e].transpose() * traction);
+            basis[g] * (frame_at(m.inner->skeleton, e, static_cast<int>(g)).transpose() * traction);
     }
   }
   return f;

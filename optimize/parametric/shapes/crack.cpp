@@ -142,11 +142,12 @@ Constraint edges_apart(const Drawn& d, Eigen::Index first, std::array<Eigen::Ind
 /// Edges as long as the distance and as far apart, no folds.
 void constrain_crack(const Drawn& d, Eigen::Index first, double least, std::vector<Constraint>& all) {
   const Eigen::Index n = d.lower.size();
+  const auto moves = [&](Eigen::Index i) { return d.lower.segment<4>(i) != d.upper.segment<4>(i); };
   for (Eigen::Index i = 0; i + 2 < n; i += 2) {
-    if (d.lower.segment<4>(i) == d.upper.segment<4>(i)) continue;
-    all.push_back(long_enough(d, first, i, least));
-    if (i + 4 < n) all.push_back(without_fold(d, first, i));
-    for (Eigen::Index k = i + 4; k + 2 < n; k += 2) all.push_back(edges_apart(d, first, {i, k}, least));
+    if (moves(i)) all.push_back(long_enough(d, first, i, least));
+    if (i + 4 < n && (moves(i) || moves(i + 2))) all.push_back(without_fold(d, first, i));
+    for (Eigen::Index k = i + 4; k + 2 < n; k += 2)
+      if (moves(i) || moves(k)) all.push_back(edges_apart(d, first, {i, k}, least));
   }
 }
 
