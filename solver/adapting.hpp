@@ -1,13 +1,15 @@
 #pragma once
 // The rounds of an adaptive solution (kerf/adaptive.hpp), for those who solve them in parts.
 
+#include "base/sums.hpp"
 #include "kerf/adaptive.hpp"
 
 namespace kerf {
 
 /// Adds to the indicator what the stress of the polygon lacks near the chords of curved sides [theory: R.10], over own
 /// triangles. `divisions`: how often the mesh was divided (Adaptation): its edges are parts of chords then.
-void add_chords(const Shape& shape, int divisions, const Model& model, const State& state, Indicator& indicator);
+void add_chords(const Shape& shape, int divisions, const Model& model, const State& state, Indicator& indicator,
+                const Sums& sums = {});
 
 /// What the data have that no estimate on this mesh can have seen, the first of it in words; empty for nothing.
 std::string unseen_by_estimate(const Model& model);

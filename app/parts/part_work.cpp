@@ -24,6 +24,7 @@
 #include "solver/recovery.hpp"
 #include "solver/resultants.hpp"
 #include "solver/shared_bounds.hpp"
+#include "solver/shared_estimate.hpp"
 #include "solver/shared_tips.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
@@ -333,17 +334,20 @@ Analysis analyze_in_parts(const Bodies& bodies, SharedBody& body, const State& s
   return analyze(c.functional, body.model(), state, whole_body(body, state, peers, measured), !task.map);
 }
 
+Sums sums_over(Peers& peers) {
+  return {[&peers](std::span<double> v) { peers.sum(v); }, [&peers](std::span<double> v) { peers.largest(v); }};
+}
+
 /// The indicator of all triangles here, and the error of the body.
 Indicator estimate(const Case& c, const PartTask& task, const Model& model, const State& state, Peers& peers,
                    FoundTogether& found) {
   Indicator indicator;
   if (!task.estimate || !can_estimate_error(model.element)) return indicator;
-  indicator = error_indicator(model, state);
-  add_chords(c.shape, task.divisions, model, state, indicator);
-  std::array<double, 3> sums{indicator.error, indicator.stress, static_cast<double>(own_triangles(model))};
-  peers.sum(sums);
-  if (sums[1] > 0) found.error = std::sqrt(sums[0] / sums[1]);
-  found.round = {.triangles = static_cast<Index>(sums[2]),
+  const Sums over_all = sums_over(peers);
+  indicator = error_indicator(model, state, over_all);
+  add_chords(c.shape, task.divisions, model, state, indicator, over_all);
+  if (indicator.stress > 0) found.error = indicator.relative;
+  found.round = {.triangles = static_cast<Index>(sum(peers, own_triangles(model))),
                  .estimated_error = found.error.value_or(0),
                  .assemble = model.seconds.assemble,
                  .solve = state.seconds.solve};
@@ -437,8 +441,7 @@ FoundTogether work_together(const Case& given, PartTask task, Peers& peers) {
   found.seconds = model.seconds;
   gather_cracks(model, state, from, peers, found);
   gather_probes(c, model, state, peers, found);
-  const Sums over_all{[&peers](std::span<double> v) { peers.sum(v); },
-                      [&peers](std::span<double> v) { peers.largest(v); }};
+  const Sums over_all = sums_over(peers);
   if (task.tips) found.tips = tips.intensities(model, state, found.profiles, over_all);
   if (task.bounds)
     found.energy =

@@ -5,10 +5,13 @@
 
 #include "base/parallel.hpp"
 #include "solver/anisotropic.hpp"
+#include "solver/post/shared_corners.hpp"
 #include "solver/recover_stress.hpp"
+#include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -30,12 +33,22 @@ double stiffest_over_mean(const Scene& scene) {
   return most;
 }
 
+/// The mean stress of the body, of which this is a part.
+double mean_stress_of_body(const Model& m, const State& state, const Sums& sums) {
+  const double here = mean_stress(m, state), size = area(m);
+  std::array<double, 2> both{here * here * size, size};
+  sums.add(both);
+  return std::sqrt(both[0] / both[1]);
+}
+
 }  // namespace
 
 /// Both sums run over the same triangles, those of which all three corners have a polynomial.
-Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta) {
+Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd& eta, const Sums& sums) {
   const Corners corners = split_for_stress(m.mesh);
-  const RecoveredStress better = recover_stress(m, state, corners, singular_corners(m, state, corners), m.scene.body);
+  const std::vector<bool> singular = sums.add ? singular_corners(m, state, corners, mean_stress_of_body(m, state, sums))
+                                              : singular_corners(m, state, corners);
+  const RecoveredStress better = recover_stress(m, state, corners, singular, m.scene.body);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   std::vector<Share> shares(static_cast<std::size_t>(triangles));
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
@@ -58,19 +71,23 @@ Efficiency efficiency(const Model& m, const State& state, const Eigen::VectorXd&
       }
     }
   });
-  double indicated = 0, square = 0, stress = 0;
-  Index count = 0;
+  double indicated = 0, square = 0, stress = 0, count = 0;
   Efficiency result{m.element.efficiency, 0, std::vector<bool>(static_cast<std::size_t>(triangles))};
-  for (Index t = 0; t < own_triangles(m); ++t) {
+  for (Index t = 0; t < triangles; ++t) {
     const Share& share = shares[static_cast<std::size_t>(t)];
     result.recovered[static_cast<std::size_t>(t)] = share.recovered;
-    if (!share.recovered) continue;
+    if (!share.recovered || t >= own_triangles(m)) continue;
     ++count;
     indicated += eta[t] * eta[t];
     square += share.square;
     stress += share.stress;
   }
-  constexpr Index few = 20;
+  if (sums.add) {
+    std::array<double, 4> all{indicated, square, stress, count};
+    sums.add(all);
+    indicated = all[0], square = all[1], stress = all[2], count = all[3];
+  }
+  constexpr double few = 20;
   constexpr double exact = 1e-10;  // of the stress: what is left is rounding
   // Where the recovered stress is hardly better than the other one, on coarse meshes, it says too much.
   // The index stays within a factor 2 of that of the element; at_tips: two thirds of it where the stress is singular.

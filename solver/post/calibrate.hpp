@@ -1,6 +1,7 @@
 #pragma once
 // How much larger the error indicator is than the error, measured on the body at hand.
 
+#include "base/sums.hpp"
 #include "kerf/state.hpp"
 
 namespace kerf {
@@ -13,7 +14,8 @@ struct Efficiency {
   double regular, singular;
   std::vector<bool> recovered;  // per triangle: which of them
 };
-/// `eta`: per triangle.
-Efficiency efficiency(const Model& model, const State& state, const Eigen::VectorXd& eta);
+/// `eta`: per triangle. `sums`: of a part, what the processes find out together; a body that one process has takes
+/// none.
+Efficiency efficiency(const Model& model, const State& state, const Eigen::VectorXd& eta, const Sums& sums = {});
 
 }  // namespace kerf

@@ -17,6 +17,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -89,7 +90,8 @@ double Chords::curvature(const Vec2& a, const Vec2& b, double h) const {
 }
 
 /// An edge of a divided mesh is a part of a chord of 2^divisions times its length, and carries that part of the term.
-void add_chords(const Shape& shape, int divisions, const Model& m, const State& s, Indicator& indicator) {
+void add_chords(const Shape& shape, int divisions, const Model& m, const State& s, Indicator& indicator,
+                const Sums& sums) {
   const Chords chords(shape);
   if (chords.empty() || !std::isfinite(indicator.relative)) return;
   constexpr double zeta_3 = 1.2020569031595942;
@@ -109,10 +111,12 @@ void add_chords(const Shape& shape, int divisions, const Model& m, const State& 
       lost[t] += std::ldexp(of_chord, -divisions);
     }
   if (!(indicator.stress > 0)) return;
+  std::array<double, 2> of_body{indicator.eta.head(own).squaredNorm(), lost.sum()};
+  if (sums.add) sums.add(of_body);
   const double squared_efficiency =
-      indicator.error > 0 ? indicator.eta.head(own).squaredNorm() / indicator.error : std::pow(m.element.efficiency, 2);
+      indicator.error > 0 ? of_body[0] / indicator.error : std::pow(m.element.efficiency, 2);
   indicator.eta = (indicator.eta.array().square() + squared_efficiency * lost.array()).sqrt();
-  indicator.error += lost.sum();
+  indicator.error += of_body[1];
   indicator.relative = std::sqrt(indicator.error / indicator.stress);
 }
 

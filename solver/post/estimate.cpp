@@ -10,6 +10,7 @@
 
 #include "kerf/adaptive.hpp"
 #include "solver/recovery.hpp"
+#include "solver/shared_estimate.hpp"
 
 #include "solver/post/calibrate.hpp"
 #include "solver/system.hpp"
@@ -21,6 +22,7 @@
 
 #include <Eigen/LU>
 
+#include <array>
 #include <cmath>
 
 namespace kerf {
@@ -344,6 +346,10 @@ struct EdgeResiduals {
 /// Triangles at singular points have a smaller index: their eta is raised to what it would be in the regular part, so
 /// that equal eta stands for equal error when the mesh is refined.
 Indicator error_indicator(const Model& m, const State& s) {
+  return error_indicator(m, s, {});
+}
+
+Indicator error_indicator(const Model& m, const State& s, const Sums& sums) {
   if (!can_estimate_error(m.element))  // their gradients are compatible, what they lack is equilibrium
     return {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m.mesh.triangles.size())), nan};
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
@@ -368,13 +374,18 @@ Indicator error_indicator(const Model& m, const State& s) {
     if (t < own_triangles(m)) stress += own[t].stress;
   }
   // An efficiency index measures residuals, not what no residual shows.
-  const Efficiency index = efficiency(m, s, result.eta);
+  const Efficiency index = efficiency(m, s, result.eta, sums);
   double error = 0;
   for (Index t = 0; t < triangles; ++t) {
     const double square =
         own[t].square / std::pow(index.recovered[t] ? index.regular : index.singular, 2) + own[t].unseen;
     if (t < own_triangles(m)) error += square;
     result.eta[t] = index.regular * std::sqrt(square);
+  }
+  if (sums.add) {
+    std::array<double, 2> all{error, stress};
+    sums.add(all);
+    error = all[0], stress = all[1];
   }
   if (stress > 0) result.relative = std::sqrt(error / stress);
   result.error = error;

@@ -11,6 +11,7 @@
 
 #include "solver/recover_stress.hpp"
 #include "solver/post/blend.hpp"
+#include "solver/post/shared_corners.hpp"
 #include "solver/recovery.hpp"
 
 #include "geometry/plane.hpp"
@@ -562,12 +563,12 @@ std::vector<RecoveredStress> fitted(std::span<const FieldToRecover> fields, cons
   return all;
 }
 
-// Per vertex whether contact begins or ends there.
-std::vector<bool> contact_changes(const Model& model, const Field& state) {
+// Per vertex whether contact begins or ends there. `stress`: the mean of the body.
+std::vector<bool> contact_changes(const Model& model, const Field& state, double stress) {
   const Mesh& mesh = model.mesh;
   const Skeleton& s = model.inner->skeleton;
   // Pressures that are small change nothing; faces between contact and gap would flicker.
-  const double least = mesh.cracks.empty() ? 0 : 1e-3 * mean_stress(model, state);
+  const double least = 1e-3 * stress;
   std::vector<bool> changes(mesh.points.size(), false);
   std::vector<int> touching(mesh.points.size(), none);
   for (const auto& crack : mesh.cracks)
@@ -607,7 +608,11 @@ std::vector<double> corner_angles(const Mesh& mesh, const Corners& c) {
 
 /// At a tip and at a reentrant corner by the angle, at ends of contact by the forces.
 std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c) {
-  const std::vector<bool> changes = contact_changes(model, state);
+  return singular_corners(model, state, c, model.mesh.cracks.empty() ? 0 : mean_stress(model, state));
+}
+
+std::vector<bool> singular_corners(const Model& model, const Field& state, const Corners& c, double stress) {
+  const std::vector<bool> changes = contact_changes(model, state, stress);
   const std::vector<double> angle = corner_angles(model.mesh, c);
   std::vector<bool> result(c.vertex.size(), false);
   for (std::size_t i = 0; i < angle.size(); ++i) result[i] = angle[i] > reentrant_angle || changes[c.vertex[i]];
