@@ -44,7 +44,6 @@ struct FinishedCurves {
   double residual_before = nan;           // of the curves as fitted
   std::optional<FinerDesign> finer = {};  // on the mesh by which designs are judged, with the residual there
   int evaluations = 0, state_solves = 0;
-  Index knots = 0;
   bool feasible = false;
   std::vector<CurvesRow> rows;
   std::vector<std::string> notes;

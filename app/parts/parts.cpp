@@ -232,7 +232,7 @@ struct InParts {
 
   Mesh next(const FoundTogether& found) const {
     Sizing sizing = c.sizing;
-    if (!(sizing.size > 0)) sizing.size = extent(c.shape) / 40;
+    sizing.size = target_size(sizing, c.shape);
     sizing.ends = before.ends;
     const Adaptation wanted{.error = c.adapt->error, .max_triangles = c.adapt->max_triangles, .divisions = c.divisions};
     return next_mesh(c.shape, sizing, wanted, before.model.mesh, static_cast<double>(c.element.order),

@@ -53,13 +53,9 @@ struct Scratch {
   }
 };
 
-double size_of(const Case& c) {
-  return c.sizing.size > 0 ? c.sizing.size : extent(c.shape) / 40;
-}
-
 /// Equilateral ones.
 double triangles_of_size(const Case& c) {
-  const double h = size_of(c);
+  const double h = target_size(c.sizing, c.shape);
   return area(c.shape) / (std::sqrt(3.0) / 4 * h * h);
 }
 
@@ -70,7 +66,7 @@ double divided(const Case& c) {
 
 Case coarser(const Case& c, double factor) {
   Case out = c;
-  out.sizing.size = factor * size_of(c);
+  out.sizing.size = factor * target_size(c.sizing, c.shape);
   out.sizing.crack_tip_size *= factor;
   out.adapt.reset();
   return out;
@@ -151,7 +147,7 @@ std::string memory_words(double mb) {
 
 /// The size with about that many triangles: fewer by a share.
 double size_for(const Case& c, double share) {
-  return size_of(c) / std::sqrt(share);
+  return target_size(c.sizing, c.shape) / std::sqrt(share);
 }
 
 }  // namespace

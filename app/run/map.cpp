@@ -93,7 +93,7 @@ std::string note_on_growth(const Functional& j, const Body& body, ContactMethod 
                                                              std::abs(work_of_loads(model, *analysis.state)));
   if (!(std::abs(J) > floor)) return {};
   Sizing coarse = body.sizing;
-  coarse.size = 2 * (coarse.size > 0 ? coarse.size : extent(body.shape) / 40);
+  coarse.size = 2 * target_size(coarse, body.shape);
   coarse.crack_tip_size *= 2;
   try {
     const Model before = prepare(triangulate(body.shape, coarse), body.element, body.scene, model.threads);

@@ -121,7 +121,7 @@ Sizing checked(const Shape& shape, Sizing sizing) {
           "the grading of the mesh must lie between 0.01 and 2");
   require(sizing.min_angle_deg >= 0 && sizing.min_angle_deg <= 30,
           "mesh.min_angle must lie between 0 and 30 degrees: no mesher can promise more");
-  if (sizing.size == 0) sizing.size = whole / 40;
+  sizing.size = target_size(sizing, shape);
   sizing.size = std::min(sizing.size, whole);
   if (sizing.crack_tip_size == 0) sizing.crack_tip_size = sizing.size / 100;
   sizing.crack_tip_size = std::min(sizing.crack_tip_size, sizing.size);
@@ -620,6 +620,10 @@ Mesh triangulate(const Shape& shape, const Sizing& given, const Background* back
 }
 
 }  // namespace
+
+double target_size(const Sizing& sizing, const Shape& shape) {
+  return sizing.size > 0 ? sizing.size : extent(shape) / 40;
+}
 
 Mesh triangulate(const Shape& shape, const Sizing& sizing) {
   return triangulate(shape, sizing, nullptr);

@@ -21,6 +21,9 @@ struct Sizing {
   std::vector<Mat2> images = {};  // linear maps: curved sides get edges as short as their images would, too
   std::vector<Vec2> ends = {};    // points with edges of end_size: where contact ends (solve_graded finds them)
 };
+/// Sizing::size, or what it is where it is not given: a 40th of the extent of the shape.
+double target_size(const Sizing& sizing, const Shape& shape);
+
 /// Target edge length at Sizing::ends, for a size that is given (not 0). Adjoints are singular there as states are at
 /// tips, and T moves with the end: this fraction of the size leaves 1 % where that matters most.
 constexpr double end_size(double size) {

@@ -68,12 +68,12 @@ void read_synthetic(const Value& document, Case& c) {
 
   s.sizing = c.sizing;
   constexpr double finer = 0.7;
-  s.sizing.size = finer * (c.sizing.size > 0 ? c.sizing.size : extent(c.shape) / 40);
+  s.sizing.size = finer * target_size(c.sizing, c.shape);
   s.sizing.crack_tip_size = finer * c.sizing.crack_tip_size;  // 0 stays: it follows from the size
   take(*table, "size", s.sizing.size);
   take(*table, "crack_tip_size", s.sizing.crack_tip_size);
   take(*table, "noise", s.noise);
-  s.spacing = c.sizing.size > 0 ? c.sizing.size : extent(c.shape) / 40;
+  s.spacing = target_size(c.sizing, c.shape);
   take(*table, "spacing", s.spacing);
   take(*table, "seed", s.seed);
   for (const Term& term : c.functional.terms)

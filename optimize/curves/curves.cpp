@@ -757,7 +757,6 @@ FinishedCurves CurvesRun::run() {
   out_.evaluations = evaluations_;
   out_.state_solves = solves_;
   out_.feasible = violation(x_) < feasible_violation;
-  for (const ArcChain& chain : x_.curves.chains) out_.knots += Index(chain.knots.size());
   return std::move(out_);
 }
 

@@ -507,15 +507,6 @@ VectorXd pack(const DesignCurves& d) {
   return Eigen::Map<const VectorXd>(all.data(), Eigen::Index(all.size()));
 }
 
-void unpack(const VectorXd& knots, DesignCurves& d) {
-  Eigen::Index i = 0;
-  for (ArcChain& chain : d.chains)
-    for (Knot& knot : chain.knots) {
-      knot = {{knots[i], knots[i + 1]}, knots[i + 2]};
-      i += 3;
-    }
-}
-
 double area_of(const DesignCurves& d, VectorXd* by) {
   if (by) {
     by->setZero(d.variables);

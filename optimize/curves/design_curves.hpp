@@ -91,9 +91,8 @@ void even_out(DesignCurves& d);
 void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, const Eigen::Matrix<double, 1, 6>& by,
                     Eigen::VectorXd& sum);
 
-/// All knots as numbers (x, y, angle), and back.
+/// All knots as numbers (x, y, angle).
 Eigen::VectorXd pack(const DesignCurves& d);
-void unpack(const Eigen::VectorXd& knots, DesignCurves& d);
 
 /// Area of the body and its derivative, to rounding.
 double area_of(const DesignCurves& d, Eigen::VectorXd* by);

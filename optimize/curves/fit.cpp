@@ -52,8 +52,7 @@ std::vector<Loop> solid_loops(const Problem& p, const OptimizeRequest& r) {
 }
 
 double curve_size(const Problem& p, const CurvesRequest& how) {
-  if (how.size > 0) return how.size;
-  return p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+  return how.size > 0 ? how.size : target_size(p.sizing, p.frame);
 }
 
 DesignCurves fitted_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,

@@ -104,7 +104,7 @@ Measurement measure(const Synthetic& s, int threads) {
   data->line = boundary_line(s.true_shape, s.label);
   if (data->line.curves.empty())
     throw Error(Fault::Usage, "synthetic data: nothing of the boundary has the label they are measured on");
-  const double spacing = s.spacing > 0 ? s.spacing : s.sizing.size > 0 ? s.sizing.size : extent(s.true_shape) / 40;
+  const double spacing = s.spacing > 0 ? s.spacing : target_size(s.sizing, s.true_shape);
 
   const Model model = prepare(triangulate(s.true_shape, s.sizing), s.element, s.true_scene, threads);
   const State state = solve(model);

@@ -109,7 +109,7 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   Ground g{.p = p, .r = r};
   const LevelSetRequest& how = r.level_set;
   const double of_volume = price_of_volume(p, r);
-  g.mesh_size = p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+  g.mesh_size = target_size(p.sizing, p.frame);
   g.size = g.weak() || g.turns() ? g.mesh_size : length_of_designs(p.frame, g.mesh_size);
   g.price = of_volume + r.volume_penalty;
   g.limited = r.volume_at_most && *r.volume_at_most < 1;

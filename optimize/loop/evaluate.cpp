@@ -6,7 +6,6 @@
 
 #include "optimize/loop/evaluate.hpp"
 
-#include "base/stopwatch.hpp"
 #include "kerf/mesher.hpp"
 #include "solver/moved.hpp"
 
@@ -61,12 +60,8 @@ double price_of_volume(const Problem& p, const OptimizeRequest& r) {
 }
 
 Evaluated evaluate_design(const Problem& p, const OptimizeRequest& r, Shape shape, const std::vector<Index>& crack_of) {
-  Stopwatch watch;
   Mesh mesh = triangulate(shape, p.sizing);
-  const double seconds = watch.lap();
-  Evaluated e = evaluate_mesh(p, r, std::move(shape), std::move(mesh), crack_of);
-  e.seconds_mesh = seconds;
-  return e;
+  return evaluate_mesh(p, r, std::move(shape), std::move(mesh), crack_of);
 }
 
 Model model_to_reuse(std::shared_ptr<Evaluated>& design) {
@@ -76,7 +71,6 @@ Model model_to_reuse(std::shared_ptr<Evaluated>& design) {
 
 Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape, Mesh mesh,
                         const std::vector<Index>& crack_of, Model before, std::span<const Index> sequence) {
-  Stopwatch watch;
   Evaluated e{.shape = std::move(shape), .objective = on_parts(p.objective, crack_of)};
   for (const FunctionalBound& bound : r.bounds) e.bounded.push_back(on_parts(bound.functional, crack_of));
   e.bounds.assign(r.bounds.size(), -infinity);
@@ -108,7 +102,6 @@ Evaluated evaluate_mesh(const Problem& p, const OptimizeRequest& r, Shape shape,
       }
     }
   }
-  e.seconds_solve = watch.lap();
   return e;
 }
 

@@ -25,7 +25,6 @@ struct Evaluated {
   std::vector<Index> worst;                  // per bound, that case
   std::vector<std::vector<double>> by_case;  // per bound and load case
   double area = 0;
-  double seconds_mesh = 0, seconds_solve = 0;
 };
 
 /// Scenes of the load cases: that of the problem, its tractions and body force with those of the case added.

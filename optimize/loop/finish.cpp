@@ -126,8 +126,7 @@ std::vector<double> with_more_room(const FinerDesign& finer, const OptimizeReque
 }
 
 Problem finer_problem(Problem p) {
-  if (p.sizing.size == 0) p.sizing.size = extent(p.frame) / 40;
-  p.sizing.size *= 0.5;
+  p.sizing.size = 0.5 * target_size(p.sizing, p.frame);
   p.sizing.crack_tip_size *= 0.5;
   if (can_be_bettered(p.element)) p.element = better_element(p.element);
   return p;

@@ -19,10 +19,6 @@ namespace kerf {
 
 namespace {
 
-double mesh_size_of(const Problem& p) {
-  return p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
-}
-
 /// Squares over the bounding box of the body, each with the depth of its middle.
 struct Lattice {
   Vec2 low;
@@ -126,7 +122,7 @@ void look_at_start(const Problem& p, const OptimizeRequest& r, const Lattice& l,
   const Sides near_loads = sides_of(p.frame, loaded, chord);
   std::vector<Depth> masks;
   for (const Loop& loop : r.level_set.frozen) masks.emplace_back(loop, chord);
-  const double strip = 2 * mesh_size_of(p) + slack;  // at least what stays beside loads
+  const double strip = 2 * target_size(p.sizing, p.frame) + slack;  // at least what stays beside loads
   // unholed: what the holes may leave; solid: with what stays whatever the holes take.
   std::vector<bool> solid(l.depth.size(), false), unholed(l.depth.size(), false);
   for (int k = 0; k < l.rows; ++k)

@@ -95,12 +95,6 @@ Forces forces(const Model& m) {
 
 namespace {
 
-/// The worst resolution of all that acts on the edge: proved, sampled, open.
-void note_open(EdgeData& d, const EdgeValues& given) {
-  if (given.how == Resolution::Open) d.how = Resolution::Open;
-  if (given.how == Resolution::Sampled && d.how == Resolution::Proved) d.how = Resolution::Sampled;
-}
-
 // Data of an edge at gauss(data_points).
 using Sampled = Eigen::Matrix<double, 2, data_points>;
 
@@ -138,7 +132,6 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
         d.unseen = given.rest.cwiseSqrt();
         d.primitive = given.primitive.cwiseSqrt();
         d.moved = given.error;
-        note_open(d, given);
         Sampled at = given.at;
         if (bow_at(m.inner->skeleton.bows, d.edge)) along_bow(m, given, d, at);
         data.push_back(d);
@@ -173,8 +166,6 @@ class GivenOnEdges {
       d.rest[k] = given.rest[k];
       d.rough[k] = given.rough[k];
     }
-    d.jumps = d.jumps || given.jumps;
-    note_open(d, given);
   }
 
   void add_traction(Index e, const EdgeValues& given) {
@@ -191,7 +182,6 @@ class GivenOnEdges {
       }
       d.moved[k] += share.dot(given.error);
     }
-    note_open(d, given);
   }
 
   /// With pressures on cracks. d.load has the moments against the trace basis at 6 points divided by the weights;

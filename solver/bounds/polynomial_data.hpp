@@ -41,14 +41,12 @@ struct EdgeData {
   Eigen::Matrix<double, 2, data_points> displacement;  // prescribed values at gauss(data_points), else 0
   Mat2 ends = Mat2::Zero();                            // and at the two ends (columns)
   Vec2 rest = Vec2::Zero(), rough = Vec2::Zero();      // of them, as EdgeValues
-  bool jumps = false;                                  // the prescribed values do
   EdgePolynomial load = EdgePolynomial::Zero();        // tractions, projected onto P5
   EdgePolynomial unbalanced = EdgePolynomial::Zero();  // load minus its projection onto P_trace; 0 where held
   double left_out = 0;                                 // integral of the square of what P5 does not see of degree 7
   Vec2 unseen = Vec2::Zero();                          // root of the mean square of what degree 7 does not see
   Vec2 primitive = Vec2::Zero();                       // the same of its primitive, by s
   Vec2 moved = Vec2::Zero();                           // as EdgeValues::error
-  Resolution how = Resolution::Proved;
 };
 std::vector<EdgeData> edge_data(const Model& model);
 /// Whether the edge is held along the normal of its curve, which turns.

@@ -118,7 +118,7 @@ class Grading {
 
   /// Until the ends lie in the fine part of their mesh, or `most` solutions. `told`: of each mesh.
   Adapted solve(Sizing sizing, int most, bool told) {
-    if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
+    sizing.size = target_size(sizing, shape_);
     while (true) {
       Adapted a = once(sizing, told);
       if (!has_contact(scene_) || --most == 0) return a;
@@ -145,7 +145,7 @@ class Grading {
   }
   /// Not solved.
   Adapted meshed(Sizing sizing) const {
-    if (!(sizing.size > 0)) sizing.size = extent(shape_) / 40;
+    sizing.size = target_size(sizing, shape_);
     Adapted a{.model = {.mesh = how_.given ? *how_.given : triangulate(shape_, sizing)}};
     a.sizing = std::move(sizing);
     return a;
@@ -158,7 +158,7 @@ class Grading {
     constexpr double coarse = 24, cheaper = 2;
     Sizing sizing = wanted;
     sizing.size = extent(shape_) / coarse;
-    const double size = wanted.size > 0 ? wanted.size : extent(shape_) / 40;
+    const double size = target_size(wanted, shape_);
     if (!has_contact(scene_) || how_.given || sizing.size < cheaper * size) return {};
     const Adapted a = solve(sizing, 4, false);
     return contact_ends(a.model, a.state);
@@ -428,7 +428,7 @@ Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element&
   require(e, can_estimate_error);
   Stopwatch watch;
   Sizing sizing = given;
-  if (!(sizing.size > 0)) sizing.size = extent(shape) / 40;
+  sizing.size = target_size(sizing, shape);
   Mesh mesh = wanted.given ? *wanted.given : triangulate(shape, sizing);
   if (wanted.refinement == Refinement::Bisect) mesh = longest_edges_first(std::move(mesh), sizing.mirrored_tips);
   std::vector<Round> rounds;

@@ -90,7 +90,6 @@ std::shared_ptr<const Factor> HeldFactors::of(const LowerTriangle& K, const std:
     factorize(k);
   }
   held_ = held;
-  ++made_;
   return last_;
 }
 

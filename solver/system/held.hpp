@@ -38,10 +38,6 @@ class HeldFactors {
   /// The factor for a set, which is made anew, in the memory of the last one, unless that is it.
   std::shared_ptr<const Factor> of(const LowerTriangle& K, const std::vector<bool>& held);
 
-  int made() const {
-    return made_;
-  }
-
  private:
   std::vector<Index> changes(const std::vector<bool>& held) const;
   bool worth_bordering(const std::vector<Index>& changed) const;
@@ -59,7 +55,6 @@ class HeldFactors {
   std::vector<Index> sequence_;
   Index contact_rows_;
   int threads_;
-  int made_ = 0;
   std::vector<bool> held_;  // in the factor
   std::shared_ptr<Factor> last_;
   std::vector<EntryPlace> couplings_;  // entries of K on rows in contact

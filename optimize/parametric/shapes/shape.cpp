@@ -28,7 +28,7 @@ void require(bool good, const Drawn& d, const std::string& what) {
 }
 
 double mesh_size(const Problem& p) {
-  return p.sizing.size > 0 ? p.sizing.size : extent(p.frame) / 40;
+  return target_size(p.sizing, p.frame);
 }
 
 Index hole_label(Shape& shape, const std::string& name) {
