@@ -52,7 +52,6 @@ struct HardFamily {
   double floor = 1e-13;                                 // a smaller benign error counts as this
   std::function<HardVerdict(double knob)> record = {};  // the worst that may become of a row; empty: held
   std::string why = {};                                 // and why it is not better
-  std::function<double(double knob)> axis = {};         // where a value of the knob stands; empty: as it is
   std::function<std::string(double)> label = {};        // what it is called; empty: "%.3g"
 };
 
