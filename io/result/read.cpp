@@ -9,6 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+#include <limits>
+
 #include "io/result/bounded_json.hpp"
 #include "io/result/read_tables.hpp"
 
@@ -30,8 +33,13 @@ std::optional<double> maybe(const Json& from, const char* key) {
   const auto found = from.find(key);
   return found == from.end() || found->is_null() ? std::nullopt : std::optional(found->get<double>());
 }
-Index count(const Json& from, const char* key) {
-  return from.value(key, Index{0});
+/// What no result has, though it is JSON.
+struct Damage {};
+/// A whole number.
+int whole(const Json& from, const char* key, int otherwise = 0) {
+  const double value = from.value(key, static_cast<double>(otherwise));
+  if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::floor(value)) throw Damage();
+  return static_cast<int>(value);
 }
 std::string text(const Json& from, const char* key) {
   return from.value(key, std::string());
@@ -80,22 +88,22 @@ Verdict verdict(const std::string& said) {
 }
 
 void read_mesh(const Json& from, Result& r) {
-  r.triangles = count(from, "triangles");
-  r.vertices = count(from, "vertices");
+  r.triangles = whole(from, "triangles");
+  r.vertices = whole(from, "vertices");
   r.mesh = {read_number(from, "h_min"), read_number(from, "h_max"), read_number(from, "min_angle_deg"),
             read_number(from, "mean_quality")};
   if (!from.contains("adapt")) return;
   r.adapt = AdaptResult{{}, text(from["adapt"], "stopped"), text(from["adapt"], "of")};
   for (const Json& round : from["adapt"].at("rounds"))
-    r.adapt->rounds.emplace_back(count(round, "triangles"), read_number(round, "estimated_error"));
+    r.adapt->rounds.emplace_back(whole(round, "triangles"), read_number(round, "estimated_error"));
 }
 
 StateResult state(const Json& from) {
   StateResult s;
   s.element = text(from, "element");
-  s.degree = from.value("degree", 1);
-  s.unknowns = count(from, "unknowns");
-  s.condensed_unknowns = count(from, "condensed_unknowns");
+  s.degree = whole(from, "degree", 1);
+  s.unknowns = whole(from, "unknowns");
+  s.condensed_unknowns = whole(from, "condensed_unknowns");
   s.residual = read_number(from, "residual");
   s.work_error = read_number(from, "work_error");
   s.energy = read_number(from, "energy");
@@ -131,12 +139,12 @@ LoadCaseResult load_case(const Json& from) {
 
 SolverResult solver(const Json& from) {
   SolverResult s;
-  s.parts = from.value("parts", 1);
-  s.solves = from.value("solves", 0);
-  s.iterations = from.value("iterations", 0);
+  s.parts = whole(from, "parts", 1);
+  s.solves = whole(from, "solves");
+  s.iterations = whole(from, "iterations");
   s.condition = read_number(from, "condition");
-  s.interface_unknowns = from.value("interface_unknowns", 0);
-  s.primal_unknowns = from.value("primal_unknowns", 0);
+  s.interface_unknowns = whole(from, "interface_unknowns");
+  s.primal_unknowns = whole(from, "primal_unknowns");
   s.sent = read_number(from, "bytes_per_iteration");
   if (const Json& peaks = list(from, "peak_memory_mb"); peaks.size() == 2) {
     s.first_mb = read_number(peaks[0]);
@@ -281,13 +289,13 @@ Identified identified(const Json& from) {
 
 LeastSquares fit(const Json& from) {
   LeastSquares out;
-  out.readings = from.value("readings", 0);
+  out.readings = whole(from, "readings");
   out.start = read_number(from, "start");
   out.end = read_number(from, "end");
   out.noise = read_number(from, "noise");
   out.estimated = from.value("estimated", false);
-  out.steps = from.value("steps", 0);
-  out.state_solves = from.value("state_solves", 0);
+  out.steps = whole(from, "steps");
+  out.state_solves = whole(from, "state_solves");
   out.optimality = read_number(from, "optimality");
   out.stopped = text(from, "stopped");
   const Json &variables = list(from, "variables"), &rows = list(from, "covariance");
@@ -297,7 +305,10 @@ LeastSquares fit(const Json& from) {
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     out.variables[i] = read_number(variables[k], "value");
-    if (rows.size() == variables.size()) out.covariance.row(i) = numbers(rows[k]).transpose();
+    if (rows.size() != variables.size()) continue;
+    const Eigen::VectorXd row = numbers(rows[k]);
+    if (row.size() != n) throw Damage();
+    out.covariance.row(i) = row.transpose();
   }
   for (const Json& e : list(from, "ellipses"))
     out.ellipses.push_back({text(e, "name"), read_place(e.at("at")), read_place(e.at("semi_axes")),
@@ -310,12 +321,12 @@ Count defects(const Json& from) {
   Count out;
   for (const Json& one : list(from, "tried")) {
     Counted& c = out.tried.emplace_back();
-    c.count = one.value("count", 0);
+    c.count = whole(one, "count");
     c.criterion = read_number(one, "criterion");
     c.fit.end = read_number(one, "squares");
     c.fit.variables = numbers(list(one, "variables"));
     c.failure = text(one, "failure");
-    if (c.count == from.value("count", 0)) out.chosen = out.tried.size() - 1;
+    if (c.count == whole(from, "count")) out.chosen = out.tried.size() - 1;
   }
   return out;
 }
@@ -326,7 +337,7 @@ StartTried start_tried(const Json& from) {
           .merit = read_number(from, "merit"),
           .violation = read_number(from, "violation"),
           .in_full = from.value("in_full", false),
-          .state_solves = from.value("state_solves", 0),
+          .state_solves = whole(from, "state_solves"),
           .failure = text(from, "failure")};
 }
 
@@ -334,7 +345,7 @@ FinerDesign finer(const Json& from) {
   FinerDesign out;
   out.size = read_number(from, "size");
   for (const Element& e : elements)
-    if (e.name == text(from, "element") && e.degree == from.value("degree", 1)) out.element = e;
+    if (e.name == text(from, "element") && e.degree == whole(from, "degree", 1)) out.element = e;
   out.curved = from.value("curved", false);
   out.objective = read_number(from, "objective");
   out.volume_fraction = read_number(from, "volume_fraction");
@@ -351,7 +362,7 @@ FinerDesign finer(const Json& from) {
 }
 
 NucleatedHole nucleated_hole(const Json& from) {
-  NucleatedHole h{.iteration = from.value("iteration", 0), .at = read_place(from.at("at"))};
+  NucleatedHole h{.iteration = whole(from, "iteration"), .at = read_place(from.at("at"))};
   h.radius = read_number(from, "radius");
   h.T = read_number(from, "topological_derivative");
   h.c2 = read_number(from, "c2");
@@ -364,8 +375,8 @@ NucleatedHole nucleated_hole(const Json& from) {
 void read_optimize(const Json& from, Result& r) {
   OptimizeResult o;
   o.method = from_word<OptimizeMethod>(optimize_method_words, text(from, "method"));
-  o.iterations = from.value("iterations", 0);
-  o.state_solves = from.value("state_solves", 0);
+  o.iterations = whole(from, "iterations");
+  o.state_solves = whole(from, "state_solves");
   o.objective = read_number(from, "objective");
   o.volume_fraction = read_number(from, "volume_fraction");
   o.feasible = from.value("feasible", false);
@@ -405,7 +416,7 @@ void read_optimize(const Json& from, Result& r) {
 }
 
 StepResult step(const Json& from) {
-  StepResult s{.name = text(from, "name"), .part = from.value("part", 1), .parts = from.value("parts", 1)};
+  StepResult s{.name = text(from, "name"), .part = whole(from, "part", 1), .parts = whole(from, "parts", 1)};
   if (s.parts < 1) s.parts = 1;
   for (const auto& [name, value] : from.at("define").items()) s.values.emplace_back(name, read_number(value));
   s.energy = read_number(from, "energy");
@@ -451,8 +462,8 @@ Result from_json(const Json& from) {
   if (from.contains("contact")) {
     const Json& c = from["contact"];
     r.contact = ContactResultSummary{text(c, "method"),
-                                     c.value("iterations", 0),
-                                     c.value("linear_solves", 0),
+                                     whole(c, "iterations"),
+                                     whole(c, "linear_solves"),
                                      read_number(c, "kkt"),
                                      read_number(c, "open_length"),
                                      read_number(c, "closed_length"),
@@ -484,7 +495,9 @@ Result read_result(const std::filesystem::path& folder) {
   Result r;
   try {
     r = from_json(read_json(path));
-  } catch (const Json::exception& e) {
+  } catch (const Json::exception&) {
+    throw damaged_result(path);
+  } catch (const Damage&) {
     throw damaged_result(path);
   }
   for (CrackResult& c : r.cracks) {

@@ -8,6 +8,8 @@
 #include "io/history.hpp"
 #include "tests/support/sample.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace kerf::read_result_test {
 namespace {
 
@@ -234,6 +236,57 @@ TEST(ReadResult, WhatIsNoResultIsNamed) {
   EXPECT_THROW(read_result(folder.path), Error);
   write_file(folder.path / "crack_c.csv", "s,x,y,jump_n,jump_t,sigma_n,sigma_t,status\n1,2,three,4,5,6,7,open\n");
   EXPECT_THROW(read_result(folder.path), Error);
+}
+
+/// Every number of a whole result in turn is one that no count can be, every list and table is another.
+TEST(ReadResult, NumbersAndListsThatNoResultHas) {
+  const Folder folder;
+  write(folder.path, everything());
+  const auto whole = nlohmann::ordered_json::parse(read_file(folder.path / "result.json"));
+  const auto flat = whole.flatten();
+  unsigned refused = 0;
+  const auto look = [&](const nlohmann::ordered_json::json_pointer& at, const nlohmann::ordered_json& value) {
+    auto damaged = whole;
+    damaged[at] = value;
+    write_file(folder.path / "result.json", damaged.dump());
+    SCOPED_TRACE(at.to_string() + " = " + value.dump());
+    try {
+      read_result(folder.path);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault, Fault::Files) << e.what();
+      ++refused;
+    } catch (const std::exception& e) {
+      ADD_FAILURE() << e.what();
+    }
+  };
+  for (const auto& [path, value] : flat.items()) {
+    nlohmann::ordered_json::json_pointer at(path);
+    for (const auto& odd : nlohmann::ordered_json::parse("[1e300, 2147483648, null, \"a\", [[1]]]")) look(at, odd);
+    look(at.parent_pointer(), nlohmann::ordered_json::parse("[1, 2, 3]"));
+  }
+  EXPECT_GT(refused, flat.size());
+}
+
+// A matrix that is none, and counts beyond all that an int holds.
+TEST(ReadResult, MatricesAndCountsAreWhatTheySay) {
+  const Folder folder;
+  const auto is_refused = [&](const char* text) {
+    write_file(folder.path / "result.json", text);
+    try {
+      read_result(folder.path);
+    } catch (const Error& e) {
+      return e.fault == Fault::Files && std::string(e.what()).find("result.json is damaged") != std::string::npos;
+    }
+    return false;
+  };
+  const std::string fit =
+      R"({"optimize": {"least_squares": {"variables": [{"value": 1}, {"value": 2}], "covariance": )";
+  EXPECT_FALSE(is_refused((fit + "[[1, 0], [0, 1]]}}}").c_str()));
+  for (const char* rows : {"[[1, 0], [0, 1, 7, 7, 7, 7, 7, 7]]", "[[1, 0], []]", "[[], [1, 0]]", "[[1], [2]]"})
+    EXPECT_TRUE(is_refused((fit + rows + "}}}").c_str())) << rows;
+  EXPECT_FALSE(is_refused(R"({"mesh": {"triangles": 2147483647}})"));
+  for (const char* number : {"1e300", "-1e300", "2147483648", "0.5", "1e400"})
+    EXPECT_TRUE(is_refused(("{\"mesh\": {\"triangles\": " + std::string(number) + "}}").c_str())) << number;
 }
 
 // A name becomes part of the path of a table.
