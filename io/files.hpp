@@ -2,6 +2,7 @@
 // Whole files at once. A file appears under its name complete or not at all.
 
 #include "base/whole_file.hpp"
+#include "geometry/read_whole_file.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -16,10 +17,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, Flush
 /// The same of a name beneath a folder, whose own folders are made where they are missing and may be no links.
 void write_file(const std::filesystem::path& folder, const std::filesystem::path& name, std::string_view bytes);
 
-/// The largest file that is read whole: the text of a mesh of 20 million triangles takes about half of it.
-inline constexpr std::uintmax_t largest_input = std::uintmax_t{4} << 30;
-
-/// Regular files only: a pipe or a device may never end. Throws Error(Files) naming the path and the reason.
+/// As read_whole_file(). Throws Error(Files) naming the path and the reason.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most = largest_input);
 
 /// One run at a time in a folder: held until the end of its life or of the process, however that ends; leaves nothing

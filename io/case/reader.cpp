@@ -6,6 +6,7 @@
 
 #include "io/case/reader.hpp"
 
+#include "geometry/read_whole_file.hpp"
 #include "io/case/toml_words.hpp"
 #include "io/words.hpp"
 #include "kerf/types.hpp"
@@ -14,8 +15,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <sstream>
 
 namespace kerf {
@@ -157,24 +158,17 @@ std::string to_string(const Position& p) {
 }
 
 std::string read_text(const std::filesystem::path& path) {
+  using Refusal = WholeFile::Refusal;
   const std::string name = path.string();
   const auto fail = [&](const std::string& what) { throw Error(Fault::Files, fmt::format("{}: {}", name, what)); };
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) fail("no such file");
-  if (error) fail("cannot be read: " + error.message());
-  if (std::filesystem::is_directory(status)) fail("is a directory; name a file in it");
-  // A pipe or a device may never end.
-  if (!std::filesystem::is_regular_file(status)) fail("is not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) fail("cannot be read: " + error.message());
-  if (size > largest_file) fail(fmt::format("is too large; at most {} MiB are read", largest_file >> 20));
-  std::ifstream file(path, std::ios::binary);
-  if (!file) fail("cannot be opened; check its permissions");
-  std::string text(size, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(size));
-  if (file.bad()) fail("cannot be read");
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  WholeFile file = read_whole_file(path, largest_file);
+  if (file.refusal == Refusal::Missing) fail("no such file");
+  if (file.refusal == Refusal::System && file.problem == EACCES) fail("cannot be opened; check its permissions");
+  if (file.refusal == Refusal::System) fail("cannot be read: " + in_words(file));
+  if (file.refusal == Refusal::Folder) fail("is a directory; name a file in it");
+  if (file.refusal == Refusal::Special) fail("is not a regular file");
+  if (file.refusal == Refusal::TooLarge) fail(fmt::format("is too large; at most {} MiB are read", largest_file >> 20));
+  std::string text = std::move(file.bytes);
   // Marks of the encoding that editors on Windows put first.
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))

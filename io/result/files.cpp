@@ -11,7 +11,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,29 +18,6 @@
 #include <utility>
 
 namespace kerf {
-
-namespace {
-
-/// A file that is open to be read, closed at the end.
-class InputFile {
- public:
-  /// A pipe without a writer is not waited for.
-  explicit InputFile(const std::filesystem::path& path)
-      : number_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {}
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
-  ~InputFile() {
-    if (number_ >= 0) close(number_);
-  }
-  int number() const {
-    return number_;
-  }
-
- private:
-  int number_;
-};
-
-}  // namespace
 
 namespace {
 
@@ -66,26 +42,10 @@ void write_file(const std::filesystem::path& folder, const std::filesystem::path
 }
 
 std::string read_file(const std::filesystem::path& path, std::uintmax_t most) {
-  const auto fail = [&](const std::string& reason) {
-    return Error(Fault::Files, fmt::format("cannot read '{}': {}", path.string(), reason));
-  };
-  const InputFile file(path);
-  struct stat status;
-  if (file.number() < 0 || fstat(file.number(), &status) != 0) throw fail(std::strerror(errno));
-  if (S_ISDIR(status.st_mode)) throw fail("it is a folder");
-  if (!S_ISREG(status.st_mode)) throw fail("it is no regular file");
-  const auto too_large = [&] { return fail(fmt::format("it is too large; at most {} MiB are read", most >> 20)); };
-  if (static_cast<std::uintmax_t>(status.st_size) > most) throw too_large();
-  std::string bytes;
-  bytes.reserve(static_cast<std::size_t>(status.st_size));
-  char block[1 << 16];
-  for (ssize_t count; (count = read(file.number(), block, sizeof block)) != 0;) {
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw fail(std::strerror(errno));
-    bytes.append(block, static_cast<std::size_t>(count));
-    if (bytes.size() > most) throw too_large();  // files of /proc say that they are empty
-  }
-  return bytes;
+  WholeFile file = read_whole_file(path, most);
+  if (file.refusal != WholeFile::Refusal::None)
+    throw Error(Fault::Files, fmt::format("cannot read '{}': {}", path.string(), in_words(file, most)));
+  return std::move(file.bytes);
 }
 
 FolderLock::~FolderLock() {

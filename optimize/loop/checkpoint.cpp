@@ -7,14 +7,12 @@
 
 #include "optimize/checkpoint.hpp"
 
+#include "geometry/read_whole_file.hpp"
 #include "kerf/types.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <bit>
-#include <cerrno>
 #include <cstring>
 
 namespace kerf {
@@ -127,35 +125,6 @@ Checkpoint decode(std::string_view file, const std::filesystem::path& path) {
   return out;
 }
 
-/// A file to read, closed at the end.
-class Handle {
- public:
-  explicit Handle(const std::filesystem::path& path) : number_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (number_ >= 0) ::close(number_);
-  }
-  bool open() const {
-    return number_ >= 0;
-  }
-  /// Everything that is left to read, or nothing on failure.
-  std::optional<std::string> read() const {
-    std::string bytes;
-    char block[1 << 16];
-    for (;;) {
-      const ssize_t count = ::read(number_, block, sizeof block);
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) return std::nullopt;
-      if (count == 0) return bytes;
-      bytes.append(block, static_cast<std::size_t>(count));
-    }
-  }
-
- private:
-  int number_;
-};
-
 }  // namespace
 
 // FNV-1a of 64 bits.
@@ -182,19 +151,11 @@ void keep(const CheckpointPlace& place, Checkpoint checkpoint) {
 
 // No file is no error: there is nothing to resume.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path) {
-  const auto refuse = [&](const std::string& reason) {
-    return Error(Fault::Files, fmt::format("cannot read the checkpoint '{}': {}", path.string(), reason));
-  };
-  std::error_code failed;
-  const std::filesystem::file_status status = std::filesystem::status(path, failed);
-  if (status.type() == std::filesystem::file_type::not_found) return std::nullopt;
-  if (failed) throw refuse(failed.message());
-  if (status.type() != std::filesystem::file_type::regular) throw refuse("it is no regular file");
-  const Handle file(path);
-  if (!file.open()) throw refuse(std::strerror(errno));
-  const std::optional<std::string> bytes = file.read();
-  if (!bytes) throw refuse(std::strerror(errno));
-  return decode(*bytes, path);
+  const WholeFile file = read_whole_file(path);
+  if (file.refusal == WholeFile::Refusal::Missing) return std::nullopt;
+  if (file.refusal != WholeFile::Refusal::None)
+    throw Error(Fault::Files, fmt::format("cannot read the checkpoint '{}': {}", path.string(), in_words(file)));
+  return decode(file.bytes, path);
 }
 
 }  // namespace kerf

@@ -3,11 +3,13 @@
 
 #include "optimize/checkpoint.hpp"
 
+#include "geometry/read_whole_file.hpp"
 #include "kerf/types.hpp"
 #include "tests/support/folder.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -138,7 +140,13 @@ TEST(Checkpoint, LyingLengthsWithARightChecksumDoNotAllocateOrOverrun) {
 
 TEST(Checkpoint, PlacesThatCannotHoldOneAreNamed) {
   const test::Folder folder;
-  EXPECT_EQ(complaint(folder.path), "cannot read the checkpoint '': it is no regular file");
+  EXPECT_EQ(complaint(folder.path), "cannot read the checkpoint '': it is a folder");
+  ASSERT_EQ(mkfifo((folder.path / "pipe").c_str(), 0600), 0);  // which nobody writes into, and nobody waits for
+  EXPECT_EQ(complaint(folder.path / "pipe"), "cannot read the checkpoint '': it is no regular file");
+  put(folder.path / "large", "KERFCKPT");
+  std::filesystem::resize_file(folder.path / "large", largest_input + 1);  // of holes
+  EXPECT_EQ(complaint(folder.path / "large"),
+            "cannot read the checkpoint '': it is too large; at most 4096 MiB are read");
   put(folder.path / "text", "[domain]\noutline = []\n");
   EXPECT_EQ(complaint(folder.path / "text"), "the checkpoint '' is no checkpoint of kerf; start without --resume");
   const auto fails = [](const std::filesystem::path& path) {
