@@ -96,7 +96,8 @@ class MshReader {
     bool points = false, cells = false;
     while (in_.skip_blanks()) {
       const std::string section(in_.word());
-      if (section.front() != '$' || section.starts_with("$End"))
+      // The name stands in messages as it is.
+      if (section.front() != '$' || section.starts_with("$End") || !is_safe_name(std::string_view(section).substr(1)))
         in_.fail(fmt::format("{} stands where a section should begin", quote(section)));
       in_.enter(section);
       if (section == "$PhysicalNames") {

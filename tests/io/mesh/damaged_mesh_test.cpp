@@ -78,6 +78,8 @@ TEST(DamagedMesh, SectionsOfBothFormats) {
                      "\"$End\" stands where $MeshFormat ends; the counts at its beginning are wrong, or it is damaged"},
                     {"$Nodes", "Nodes", "\"Nodes\" stands where a section should begin"},
                     {"$Nodes", "$EndNodes", "\"$EndNodes\" stands where a section should begin"},
+                    {"$Nodes", "$No\x1b[2Jdes", "\"$No [2Jdes\" stands where a section should begin"},
+                    {"$Nodes", "$", "\"$\" stands where a section should begin"},
                     {"$Nodes", "$PartitionedEntities",
                      "the mesh is partitioned; save it as one (gmsh: Mesh.PartitionCreateTopology, UnpartitionMesh)"},
                     {"$Nodes", "$Comments\nmine\n", "$Comments has no end; the file is cut off", -2},
