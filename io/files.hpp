@@ -1,8 +1,8 @@
 #pragma once
 // Whole files at once. A file appears under its name complete or not at all.
 
+#include "base/read_whole_file.hpp"
 #include "base/whole_file.hpp"
-#include "geometry/read_whole_file.hpp"
 
 #include <cstdint>
 #include <filesystem>

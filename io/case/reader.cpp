@@ -6,7 +6,7 @@
 
 #include "io/case/reader.hpp"
 
-#include "geometry/read_whole_file.hpp"
+#include "base/read_whole_file.hpp"
 #include "io/case/toml_words.hpp"
 #include "io/words.hpp"
 #include "kerf/types.hpp"

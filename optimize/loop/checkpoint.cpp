@@ -7,7 +7,7 @@
 
 #include "optimize/checkpoint.hpp"
 
-#include "geometry/read_whole_file.hpp"
+#include "base/read_whole_file.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/format.h>

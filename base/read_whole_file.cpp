@@ -1,4 +1,4 @@
-#include "geometry/read_whole_file.hpp"
+#include "base/read_whole_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
