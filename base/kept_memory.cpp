@@ -22,7 +22,7 @@ struct Spare {
   std::size_t size;
   std::unique_ptr<double[]> values;
 };
-std::vector<Spare> spares;              // no longer used; while one lives
+std::vector<Spare> spares;              // blocks that a design has given back; while one lives
 constexpr std::size_t most = 4;         // of them: the present design, the next, the best
 constexpr std::size_t worth = 1 << 16;  // doubles: smaller ones the C library keeps as well
 

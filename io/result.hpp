@@ -266,10 +266,11 @@ struct Result {
   std::optional<SolverResult> solver = {};  // of the state, under "state"
 };
 
-/// result.json, schema 1 of the interface: 17 digits, written to a temporary file and renamed.
+/// result.json, schema 1 of the interface: the shortest digits that are read back as the same number, written to a
+/// temporary file and renamed.
 void write_json(const std::filesystem::path& path, const Result& result, Flush flush = Flush::Buffers);
 
-/// Comma-separated table, 17 digits; a value that is not finite is an empty cell.
+/// Comma-separated table, digits as there; a value that is not finite is an empty cell.
 void write_csv(const std::filesystem::path& path, const std::vector<std::string>& columns,
                const std::vector<std::vector<double>>& rows);
 

@@ -75,8 +75,8 @@ struct LoadedEdges {
 };
 
 /// The eigenstrain e as a polynomial P per triangle, of degree 4 or of its own where that is lower: its projection in
-/// the mean of squares, so that its moments with the stresses of every element are those of e. In curved triangles a
-/// polynomial in the coordinates (l1, l2) that their map takes to the place.
+/// the mean of squares, so that its moments with stresses of degree 4 are those of e (bubbles of bdms of degree 4 are
+/// of degree 5). In curved triangles a polynomial in the coordinates (l1, l2) that their map takes to the place.
 struct StrainData {
   int degree = 0;
   Eigen::MatrixXd coefficients;  // a column per triangle: 11, 22, 12, 33 per monomial of (l1, l2); no columns: none

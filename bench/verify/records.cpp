@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 namespace kerf {
@@ -59,10 +60,14 @@ double read_cell(const std::filesystem::path& folder, const std::string& where) 
   const auto column = std::ranges::find(names, parts[2]) - names.begin();
   std::vector<double> values;
   while (std::getline(in, line))
-    if (const auto cells = split(line, ','); static_cast<std::ptrdiff_t>(cells.size()) > column)
-      values.push_back(number_in(cells[static_cast<std::size_t>(column)]));
-  if (!values.empty() && parts[1] == "max") return *std::ranges::max_element(values);
-  if (!values.empty() && parts[1] == "min") return *std::ranges::min_element(values);
+    if (const auto cells = split(line, ','); !cells.empty())  // a last cell that is empty is none: row numbers count it
+      values.push_back(static_cast<std::ptrdiff_t>(cells.size()) > column
+                           ? number_in(cells[static_cast<std::size_t>(column)])
+                           : nan);
+  std::vector<double> known;
+  std::ranges::copy_if(values, std::back_inserter(known), [](double v) { return std::isfinite(v); });
+  if (!known.empty() && parts[1] == "max") return *std::ranges::max_element(known);
+  if (!known.empty() && parts[1] == "min") return *std::ranges::min_element(known);
   const double row = number_in(parts[1]);
   if (!(row >= 0 && row < static_cast<double>(values.size())))
     throw Error(Fault::Usage, fmt::format("there is no cell {}", quote(where)));

@@ -10,7 +10,7 @@ namespace kerf {
 /// of the adjoint (zeta, p, rho; mixed sign), G = grad theta and a density j [theory: S.3]:
 ///   dJ(theta) = int j div theta + d_x j.theta + j_sigma:(sigma G' - sigma div theta)
 ///             + int D_u:(zeta G') + (A zeta + Gamma(rho)):(sigma G') - (A sigma:zeta) div theta + p.f div theta + ...
-///   dPi(theta) = - int D_u:(sigma G') - 1/2 (A sigma:sigma) div theta + u.f div theta + u.(grad f theta)
+///   dPi(theta) = - int [D_u:(sigma G') - 1/2 (A sigma:sigma) div theta + u.f div theta + u.(grad f theta)]
 /// It is the derivative of the discrete J when the vertices of the mesh move (to rounding), because the Piola
 /// transformation maps the spaces of these elements onto themselves; finite at nu = 1/2. Regions, labels and cracks
 /// move with their vertices. Data are functions of the place and stay where they are: a moved edge meets the traction,

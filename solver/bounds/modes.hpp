@@ -20,11 +20,12 @@ struct Modes {
   Matrix value;                 // polynomials -> q1, q2, projected onto those of degree trace + 1
   Matrix displacement;          // the conforming displacement, or a body force, -> polynomials
   std::array<Matrix, 2> slope;  // its derivatives
-  Matrix unseen_force;          // nodal values of a body force -> p1, p2 in polynomials whose divergence it lacks
-  Matrix strain;                // monomials of an eigenstrain -> polynomials
-  Eigen::MatrixXd values;       // at the points of the rule, a column per mode
-  Eigen::VectorXd weights;      // of these points
-  Eigen::VectorXd peak;         // largest there
+  Matrix unseen_force;      // nodal values of a body force -> p1, p2 without normal trace, whose divergence is what the
+                            // element does not see of the force
+  Matrix strain;            // monomials of an eigenstrain -> polynomials
+  Eigen::MatrixXd values;   // at the points of the rule, a column per mode
+  Eigen::VectorXd weights;  // of these points
+  Eigen::VectorXd peak;     // largest there
   std::array<std::array<Matrix, 2>, 3> at_edge;  // from values at `nodes`
 
   /// Coefficients (columns) of values at the points of the rule (rows of components).

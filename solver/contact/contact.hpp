@@ -74,7 +74,7 @@ Contact active_set(const Eliminated& system, const std::vector<ContactPoint>& po
 /// the condition of S prescribes [Nesterov 2004, (2.2.11)], dropped in steps where it points uphill [O'Donoghue, Candes
 /// 2015]: a fifth to a tenth of the steps of rho = 2/(sum of both ends of the spectrum) without it. Scaling by the
 /// diagonal gains nothing on cracks. Stops at kkt = 1e-12, or what rounding leaves of it; `converged` is false after
-/// 1e11 flops.
+/// 1e11 flops, or 1,000 steps where these are more.
 Contact uzawa(const Eigen::MatrixXd& S, const Eigen::VectorXd& r, const std::vector<ContactPoint>& points);
 
 /// Every row a normal one: `dual_qp` from the solution with `closed` held shut.

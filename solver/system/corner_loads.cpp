@@ -22,7 +22,7 @@ struct Spoke {
   Vec2 direction = Vec2::Zero();  // of the trace at the vertex
 };
 
-// The triangles at a vertex in order, from one boundary edge to the other; empty where there is no boundary.
+// The triangles at a vertex in order, from one boundary edge to the other.
 class Fans {
  public:
   Fans(const Mesh& mesh, const Scene& scene) : mesh_(mesh), scene_(scene) {}

@@ -11,9 +11,9 @@ namespace kerf {
 /// E.35]
 Eigen::MatrixXd soft_forces(const Eigen::MatrixXd& Z, const Eigen::MatrixXd& X, double threshold);
 
-/// Eigenvectors of a symmetric matrix with eigenvalues above the threshold, of length 1; these need not be exact, but
-/// none that belongs to them is left out. Lower half read by a block Lanczos process with a start that is always the
-/// same [Golub, Underwood 1977].
+/// Eigenvectors of a symmetric matrix with eigenvalues above the threshold, of length 1; these need not be exact. The
+/// process ends when new blocks add no value above the threshold, so that in all likelihood none is left out. Lower
+/// half read by a block Lanczos process with a start that is always the same [Golub, Underwood 1977].
 Eigen::MatrixXd eigenvectors_above(const Eigen::MatrixXd& M, double threshold);
 
 }  // namespace kerf

@@ -10,7 +10,7 @@ namespace kerf {
 struct SecondMap {
   Eigen::VectorXd c2;      // NaN where not known
   Eigen::VectorXd parts;   // the sum of its parts without their signs
-  Eigen::VectorXd unsure;  // what the interpolation leaves of the reply there
+  Eigen::VectorXd unsure;  // what the interpolation leaves of the reply there, and how far two discs differ
   Eigen::VectorXd clear;   // distance to the next feature
   std::string note;        // why it is not known anywhere
   double error = 0;  // of the reply by interpolation: the largest at the last samples, predicted from those before
