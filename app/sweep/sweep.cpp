@@ -79,9 +79,10 @@ std::pair<std::string, std::string> read_failure(const fs::path& folder) {
 }
 
 /// The text of case.toml without the comment at its head, which tells who made it.
-std::string without_head(std::string text) {
-  while (text.starts_with("#")) text.erase(0, std::min(text.find('\n'), text.size() - 1) + 1);
-  return text;
+std::string without_head(const std::string& text) {
+  std::size_t at = 0;
+  while (at < text.size() && text[at] == '#') at = std::min(text.find('\n', at), text.size() - 1) + 1;
+  return text.substr(at);
 }
 
 bool is_of_this_case(const SweepPlan& plan, const SweepRun& run) {

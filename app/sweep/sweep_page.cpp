@@ -179,17 +179,19 @@ std::string table_of(const SweepTable& table) {
 
 void add_result(SweepTable& table, SweepTable::Row& row, const std::vector<Leaf>& leaves) {
   row.cells.resize(table.columns.size());
+  std::map<std::string, std::size_t> place;
+  for (std::size_t k = 0; k < table.columns.size(); ++k) place.emplace(table.columns[k], k);
   for (const Leaf& leaf : leaves) {
     if (leaf.name == "status") row.status = leaf.value;
     if (leaf.name == "reason") row.reason = leaf.value;
     if (leaf.name == "status" || leaf.name == "reason") continue;
-    auto column = static_cast<std::size_t>(std::ranges::find(table.columns, leaf.name) - table.columns.begin());
-    if (column == table.columns.size()) {
+    const auto [found, is_new] = place.emplace(leaf.name, table.columns.size());
+    if (is_new) {
       table.columns.push_back(leaf.name);
       table.is_number.push_back(leaf.is_number);
       row.cells.emplace_back();
     }
-    row.cells[column] = leaf.value;
+    row.cells[found->second] = leaf.value;
   }
 }
 

@@ -1,4 +1,4 @@
-// JSON from files that may be anybody's: its length and its depth are bounded before it is taken apart.
+// JSON from files that may be anybody's: its length, its depth and its objects are bounded before it is taken apart.
 
 #include "io/result/bounded_json.hpp"
 
@@ -8,15 +8,23 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
+#include <vector>
 
 namespace kerf {
 
 namespace {
 
-/// Of lists and objects within each other; brackets in texts do not count.
-int depth_of_json(std::string_view text) {
-  int depth = 0, deepest = 0;
+constexpr std::size_t deepest = 64;         // lists and objects within each other: kerf's own are not half as deep
+constexpr std::size_t most_members = 2000;  // of an object: those of a step of loads are up to 1,000
+
+/// Whether it may be taken apart in time and stack that its length bounds: an object looks at all its members for each
+/// more. Brackets and commas in texts do not count.
+bool is_bounded(std::string_view text) {
+  struct Open {
+    bool object;
+    std::size_t members;
+  };
+  std::vector<Open> open;
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -24,12 +32,18 @@ int depth_of_json(std::string_view text) {
       ++i;
     else if (c == '"')
       quoted = !quoted;
-    else if (!quoted && (c == '{' || c == '['))
-      deepest = std::max(deepest, ++depth);
-    else if (!quoted && (c == '}' || c == ']'))
-      --depth;
+    else if (quoted)
+      continue;
+    else if (c == '{' || c == '[')
+      open.push_back({c == '{', 1});
+    else if ((c == '}' || c == ']') && !open.empty())
+      open.pop_back();
+    else if (c == ',' && !open.empty())
+      ++open.back().members;
+    if (open.size() > deepest || (!open.empty() && open.back().object && open.back().members > most_members))
+      return false;
   }
-  return deepest;
+  return true;
 }
 
 }  // namespace
@@ -40,9 +54,8 @@ Error damaged_result(const std::filesystem::path& path) {
 
 nlohmann::ordered_json read_json(const std::filesystem::path& path) {
   constexpr std::uintmax_t longest = 256u << 20;
-  constexpr int deepest = 64;  // kerf's own are not half as deep
   const std::string text = read_file(path, longest);
-  if (depth_of_json(text) > deepest) throw damaged_result(path);
+  if (!is_bounded(text)) throw damaged_result(path);
   nlohmann::ordered_json all = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!all.is_object()) throw damaged_result(path);
   return all;

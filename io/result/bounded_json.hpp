@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// An object, of bounded length and with lists and objects within each other at most so deep that whoever walks through
-/// it may recurse. Throws Error(Files) naming the path.
+/// An object, of bounded length, of objects of at most 2,000 members, and with lists and objects within each other at
+/// most so deep that whoever walks through it may recurse. Throws Error(Files) naming the path.
 nlohmann::ordered_json read_json(const std::filesystem::path& path);
 
 /// For a result that is none, or not whole.

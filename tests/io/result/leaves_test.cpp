@@ -65,6 +65,18 @@ void expect_refused(const std::string& text) {
   }
 }
 
+// An object looks at all its members for each more: 1 MB of a hundred thousand took 13 seconds.
+TEST(Leaves, ObjectsAreOfBoundedLength) {
+  const auto object = [](int members) {
+    std::string text = "{\"0\": \"a, b, {\"";
+    for (int k = 1; k < members; ++k) text += ", \"" + std::to_string(k) + "\": [1, 2, 3, 4]";
+    return with_head("\"a\": " + text + "}");
+  };
+  EXPECT_EQ(leaves(object(2000)).size(), 2u);
+  for (const int members : {2001, 100000, 1000000}) expect_refused(object(members));
+  EXPECT_EQ(leaves(with_head("\"list\": [" + std::string(200000, ' ') + "1]")).size(), 2u);
+}
+
 // Lists and objects within each other: whoever walks through them recurses.
 TEST(Leaves, DepthIsBounded) {
   const auto nested = [](std::string_view open, std::string_view inner, std::string_view close, int depth) {
