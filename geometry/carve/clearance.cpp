@@ -1,8 +1,8 @@
 // How near the pieces of a zero line come to one another and to what is there already.
 
+#include "geometry/boxes.hpp"
 #include "geometry/carve/simplify.hpp"
 #include "geometry/plane.hpp"
-#include "geometry/plane/cells.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,18 +51,19 @@ std::vector<std::vector<Clearance>> clearances(const std::vector<Chain>& chains,
     owner.push_back(of);
   };
   for (const Obstacle& o : obstacles) add(o.a, o.b, {none, o.group});
-  double longest = far;
   std::vector<std::vector<Clearance>> clearance;
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const std::vector<Vec2>& x = chains[c].points;
     clearance.emplace_back(x.size(), Clearance{far, far});
     for (std::size_t i = 0; i + (chains[c].closed ? 0 : 1) < x.size(); ++i) {
       add(x[i], x[(i + 1) % x.size()], {Index(c), Index(i)});
-      longest = std::max(longest, (segments.back()[1] - segments.back()[0]).norm());
     }
   }
   if (segments.empty()) return clearance;
-  const Cells cells = file(segments, 2 * longest, far, 500);
+  std::vector<AxisBox> boxes;
+  for (const auto& [a, b] : segments) boxes.push_back(box_around(a, b));
+  const BoxTree tree(boxes);
+  const auto anywhere = [](const AxisBox&) { return true; };
   for (std::size_t c = 0; c < chains.size(); ++c) {
     const Chain& chain = chains[c];
     const Index n = Index(chain.points.size());
@@ -72,13 +73,13 @@ std::vector<std::vector<Clearance>> clearances(const std::vector<Chain>& chains,
       const Vec2& x = chain.points[std::size_t(i)];
       const std::array<Index, 2> met = met_beside(chain, i);
       Clearance& least = clearance[c][std::size_t(i)];
-      for (const Index k : cells.at(cells.column(x.x()), cells.row(x.y()))) {
+      tree.each_near(x, far, anywhere, [&](Index k) {
         const Owner& s = owner[std::size_t(k)];
-        if (s.chain == Index(c) && steps_between(chain, i, s.number) <= near) continue;
+        if (s.chain == Index(c) && steps_between(chain, i, s.number) <= near) return;
         const double d = distance(x, segments[std::size_t(k)][0], segments[std::size_t(k)][1]);
         least.all = std::min(least.all, d);
         if (s.chain != none || (s.number != met[0] && s.number != met[1])) least.beside = std::min(least.beside, d);
-      }
+      });
     }
   }
   return clearance;

@@ -5,21 +5,23 @@
 // angle and no gap. Stretches are halved until they are shorter than 1.5 widths, so that a wedge of a gap is seen where
 // it is narrow. Targets are filed in cells as wide as the search reaches.
 
+#include "geometry/boxes.hpp"
 #include "geometry/mesher/size_field.hpp"
-#include "geometry/plane/cells.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace kerf {
 
 namespace {
 
-constexpr std::size_t max_samples = 200000;
+constexpr std::size_t max_samples = 200000, samples_per_piece = 4;
 constexpr double leaving = 0.7;   // least cosine between the normal of the one side and the way across
 constexpr double arriving = 0.5;  // and of the other
+constexpr double leaving_sine = 0.71414284285428498;  // that belongs to the cosine
 
 Vec2 left(const Vec2& d) {
   return {-d.y(), d.x()};
@@ -37,11 +39,12 @@ struct Gap {
   Index strand = none;
 };
 
-/// Pieces in cells as wide as the search reaches, so that nine cells are enough.
 struct Targets {
   std::vector<Target> all;
   std::vector<std::array<Vec2, 2>> segments;
-  Cells cells;
+  BoxTree tree;
+  std::vector<Index> of_box;  // the target of each box: long ones askew have boxes for their parts, thin enough to tell
+                              // the teeth of a comb or a star apart
 };
 
 int even_pieces(const Drawing& drawing, const Strand& strand, double longest) {
@@ -66,7 +69,18 @@ Targets targets_of(const Drawing& drawing, const std::vector<bool>& tip, double 
           {Index(k), i == 0 && tip[std::size_t(strand.from)], i + 1 == count && tip[std::size_t(strand.to)]});
     }
   }
-  targets.cells = file(targets.segments, reach, 0, 1000);
+  std::vector<AxisBox> boxes;
+  const double thin = drawing.extent / std::sqrt(double(targets.all.size()));
+  for (std::size_t t = 0; t < targets.all.size(); ++t) {
+    const auto& [a, b] = targets.segments[t];
+    const int count = int(std::clamp(std::ceil((b - a).cwiseAbs().minCoeff() / thin), 1.0, 64.0));
+    for (int i = 0; i < count; ++i) {
+      const AxisBox box = box_around(a + (b - a) * i / count, a + (b - a) * (i + 1) / count);
+      boxes.push_back(box.grown(touch_tolerance * drawing.extent));  // more than rounding
+      targets.of_box.push_back(Index(t));
+    }
+  }
+  targets.tree = BoxTree(boxes);
   return targets;
 }
 
@@ -88,27 +102,38 @@ bool faces(const Drawing& drawing, const Look& look, Index strand) {
 
 /// The nine cells around the point hold every piece within the reach, as cells are that wide.
 Gap nearest(const Drawing& drawing, const Targets& targets, const Look& look, double reach) {
-  const Vec2& x = look.x;
+  const Vec2 &x = look.x, n = look.normal;
+  const bool every_way = n == Vec2::Zero();
+  // A box is in sight if some of it lies on the inner side of both flanks of the cone.
+  const Vec2 one = leaving_sine * n + leaving * left(n), other = leaving_sine * n - leaving * left(n);
+  const double slack = 1e-9 * reach, at_one = one.dot(x) - slack, at_other = other.dot(x) - slack;
+  const auto in_sight = [&](const AxisBox& box) {
+    return every_way || (box.farthest(one) >= at_one && box.farthest(other) >= at_other);
+  };
   Gap best{.width = reach};
-  const Cells& cells = targets.cells;
-  const int c = cells.column(x.x()), r = cells.row(x.y());
-  for (int j = std::max(0, r - 1); j <= std::min(cells.rows - 1, r + 1); ++j)
-    for (int i = std::max(0, c - 1); i <= std::min(cells.columns - 1, c + 1); ++i)
-      for (const Index t : cells.at(i, j)) {
-        const Target& target = targets.all[std::size_t(t)];
-        const auto& [a, b] = targets.segments[std::size_t(t)];
-        const Vec2 d = b - a;
-        const double s = foot(x, a, b);
-        const Vec2 y = a + s * d;
-        const double width = (y - x).norm();
-        if (!(width < best.width) || width == 0 || !faces(drawing, look, target.strand)) continue;
-        if (look.normal != Vec2::Zero() && look.normal.dot(y - x) < leaving * width) continue;
-        const bool tip = (s == 0 && target.tip_a) || (s == 1 && target.tip_b);
-        const double turned = left(d).dot(x - y) / d.norm();
-        const bool both = drawing.strands[std::size_t(target.strand)].loop == none;  // sides face the body
-        if (!tip && (both ? std::abs(turned) : turned) < arriving * width) continue;
-        best = {width, y, target.strand};
-      }
+  std::tuple<double, double, Index> nearest_place{-infinity, 0, none};
+  targets.tree.each_near(x, best.width, in_sight, [&](Index i) {
+    const Index t = targets.of_box[std::size_t(i)];
+    const Target& target = targets.all[std::size_t(t)];
+    const auto& [a, b] = targets.segments[std::size_t(t)];
+    const Vec2 d = b - a;
+    const double s = foot(x, a, b);
+    const Vec2 y = a + s * d;
+    constexpr double rounding = 1 + 1e-12;
+    if ((y - x).squaredNorm() > best.width * best.width * rounding) return;
+    const double width = (y - x).norm();
+    const std::tuple place(y.y(), y.x(), t);  // whatever the order of the visits
+    if (width > best.width || (width == best.width && !(place < nearest_place)) || width == 0 ||
+        !faces(drawing, look, target.strand))
+      return;
+    if (!every_way && n.dot(y - x) < leaving * width) return;
+    const bool tip = (s == 0 && target.tip_a) || (s == 1 && target.tip_b);
+    const double turned = left(d).dot(x - y) / d.norm();
+    const bool both = drawing.strands[std::size_t(target.strand)].loop == none;  // sides face the body
+    if (!tip && (both ? std::abs(turned) : turned) < arriving * width) return;
+    best = {width, y, target.strand};
+    nearest_place = place;
+  });
   return best;
 }
 
@@ -128,7 +153,7 @@ void add_gaps(const Shape& shape, const Drawing& drawing, const std::vector<Liga
   const std::vector<bool> reentrant = reentrant_corners(drawing);
   const Targets targets = targets_of(drawing, tip, reach);
 
-  const std::size_t limit = sources.size() + max_samples + targets.all.size();
+  const std::size_t limit = sources.size() + max_samples + samples_per_piece * targets.all.size();
   const auto use = [&](const Vec2& x, const Gap& gap, Index from) {
     if (gap.strand == none) return;
     sources.push_back({x, gap.across, gap.width / across});

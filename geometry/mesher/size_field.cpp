@@ -56,8 +56,9 @@ void grow(SizeField& field, std::size_t node, const QuadtreeSquare& square, cons
   const bool small = width < upper || square.depth == max_depth;
   if (kept.size() <= few || small) {
     if (kept.size() > many) {
-      std::stable_sort(kept.begin(), kept.end(),
-                       [&](Index i, Index j) { return value[std::size_t(i)] < value[std::size_t(j)]; });
+      std::partial_sort(kept.begin(), kept.begin() + many, kept.end(), [&](Index i, Index j) {
+        return std::pair(value[std::size_t(i)], i) < std::pair(value[std::size_t(j)], j);
+      });
       kept.resize(many);
     }
     for (Index& i : kept) i = candidates[std::size_t(i)];

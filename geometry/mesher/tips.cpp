@@ -7,6 +7,8 @@
 
 #include "geometry/mesher/tips.hpp"
 
+#include "geometry/boxes.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,6 +61,9 @@ std::vector<TipEnd> free_ends(const Drawing& drawing) {
     ++degree[std::size_t(s.to)];
   }
   std::vector<TipEnd> ends;
+  if (std::ranges::all_of(drawing.strands, [](const Strand& s) { return s.crack == none; })) return ends;
+  const BoxTree tree(boxes_of(drawing));
+  const auto anywhere = [](const AxisBox&) { return true; };
   for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
     const Strand& strand = drawing.strands[k];
     if (strand.crack == none) continue;
@@ -67,9 +72,11 @@ std::vector<TipEnd> free_ends(const Drawing& drawing) {
       if (degree[std::size_t(corner)] != 1) continue;
       const Vec2& x = drawing.corners[std::size_t(corner)];
       double room = reach_along(drawing, strand);
-      for (std::size_t i = 0; i < drawing.strands.size(); ++i)
-        if (i != k && least_distance(drawing.strands[i], x) < room)
-          room = std::min(room, nearest(drawing, drawing.strands[i], x).distance);
+      tree.each_near(x, room, anywhere, [&](Index i) {
+        const Strand& other = drawing.strands[std::size_t(i)];
+        if (std::size_t(i) != k && least_distance(other, x) < room)
+          room = std::min(room, nearest(drawing, other, x).distance);
+      });
       ends.push_back({k, start, corner, strand.crack, room});
     }
   }

@@ -1,8 +1,8 @@
-// Which straight pieces cross, touch or overlap: a sweep over the pieces sorted by their left ends.
+// Which straight pieces cross, touch or overlap: those whose boxes meet, in the order of a sweep by their left ends.
 // Pieces of arcs are halved until their chords say what the arcs do: two pieces with sagittas p, q that are further
 // apart than p + q + gap do not meet. Pieces that share a point may meet there, but not in a wedge of less than 1e-5.
-// The sweep compares every pair whose boxes meet; of all meetings the one with the lowest pair of strands is told,
-// loops before cracks, so that the message does not depend on the order of the sweep.
+// Every pair whose boxes meet is compared; of all meetings the one with the lowest pair of strands is told, loops
+// before cracks, so that the message does not depend on the order of the sweep.
 
 #include "geometry/shape/drawing.hpp"
 
@@ -170,6 +170,59 @@ Meeting meeting(const Drawing& drawing, const Chord& p, const Chord& q, const Sh
   return meeting(p.a, p.b, q.a, q.b, gap);
 }
 
+/// Chords in the order of a sweep, each with the margin of its box, found by the boxes that meet. Long chords askew
+/// have boxes that meet half of all others, teeth of a comb or a star: they are compared in that of eight frames in
+/// which their own boxes are thin.
+class Frames {
+ public:
+  Frames(const std::vector<Chord>& chords, const std::vector<double>& margin, const std::vector<Index>& order,
+         double extent)
+      : chords_(chords), margin_(margin), order_(order), extent_(extent) {}
+
+  template <class Visit>
+  void each_near(std::size_t k, Visit&& visit) {
+    const std::size_t f = frame_of(chords_[std::size_t(order_[k])]);
+    if (frames_[f].boxes.empty()) make(f);
+    const auto& [boxes, tree] = frames_[f];
+    tree.each([&own = boxes[k]](const AxisBox& box) { return box.meets(own); }, visit);
+  }
+
+ private:
+  static constexpr std::size_t count = 8;
+  static double angle(std::size_t frame) {
+    return pi / 2 * double(frame) / count;
+  }
+
+  std::size_t frame_of(const Chord& chord) const {
+    const Vec2 d = (chord.b - chord.a).cwiseAbs();
+    if (d.minCoeff() <= extent_ / std::sqrt(double(order_.size()))) return 0;
+    const Vec2 along = chord.b - chord.a;
+    const double turn = std::atan2(along.y(), along.x()) / (pi / 2) + 2;  // in quarters of a turn
+    return std::size_t(std::lround((turn - std::floor(turn)) * count)) % count;
+  }
+
+  void make(std::size_t f) {
+    const double c = std::cos(angle(f)), s = std::sin(angle(f)), rounding = f == 0 ? 0 : 1e-12 * extent_;
+    const auto turned = [&](const Vec2& x) { return Vec2(c * x.x() + s * x.y(), c * x.y() - s * x.x()); };
+    for (const Index i : order_) {
+      const Chord& chord = chords_[std::size_t(i)];
+      frames_[f].boxes.push_back(
+          box_around(turned(chord.a), turned(chord.b)).grown(margin_[std::size_t(i)] + rounding));
+    }
+    frames_[f].tree = BoxTree(frames_[f].boxes);
+  }
+
+  struct Frame {
+    std::vector<AxisBox> boxes;
+    BoxTree tree;
+  };
+  const std::vector<Chord>& chords_;
+  const std::vector<double>& margin_;
+  const std::vector<Index>& order_;
+  const double extent_;
+  std::array<Frame, count> frames_;  // made when first asked for
+};
+
 /// Whether what touches a loop at a corner or at the end of a piece passes through it: some of it lies on either side.
 bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, const Strand& other,
             const Vec2& meeting) {
@@ -192,23 +245,25 @@ bool passes(const Drawing& drawing, const Pieces& pieces, const Strand& loop, co
 
 std::optional<std::string> find_crossing(const Shape& shape, const Drawing& drawing, const Pieces& pieces,
                                          const Gaps& gaps, bool curved) {
-  struct Box {
-    Vec2 low, high;
-    Index piece;
-  };
   std::vector<Chord> chords;
-  std::vector<Box> boxes;
-  for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
-    const Piece& piece = pieces.pieces[i];
+  std::vector<double> margin;
+  for (const Piece& piece : pieces.pieces) {
     const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
     const Strand& strand = drawing.strands[std::size_t(piece.strand)];
     chords.push_back({piece.strand, piece.from, piece.to, a, b, curved ? sagitta(strand, piece.from, piece.to) : 0});
-    const double margin = chords.back().sagitta + std::max(gaps.loop, gaps.crack);
-    boxes.push_back({a.cwiseMin(b).array() - margin, a.cwiseMax(b).array() + margin, Index(i)});
+    margin.push_back(chords.back().sagitta + std::max(gaps.loop, gaps.crack));
   }
-  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
-    return std::tuple(a.low.x(), a.low.y(), a.piece) < std::tuple(b.low.x(), b.low.y(), b.piece);
+  std::vector<Index> order(chords.size());  // of the sweep
+  std::iota(order.begin(), order.end(), Index(0));
+  const auto corner = [&](Index i) -> Vec2 {
+    const Chord& chord = chords[std::size_t(i)];
+    return chord.a.cwiseMin(chord.b).array() - margin[std::size_t(i)];
+  };
+  std::sort(order.begin(), order.end(), [&](Index i, Index j) {
+    const Vec2 a = corner(i), b = corner(j);
+    return std::tuple(a.x(), a.y(), i) < std::tuple(b.x(), b.y(), j);
   });
+  Frames frames(chords, margin, order, drawing.extent);
 
   // What is wrong with the loops is said before what is wrong with the cracks: the later strand decides the order. Of
   // one pair of strands the first meeting in the sweep.
@@ -228,16 +283,19 @@ std::optional<std::string> find_crossing(const Shape& shape, const Drawing& draw
     first = m;
     where = {q.strand, p.strand};
   };
-  std::vector<Box> active;
-  for (const Box& box : boxes) {
-    std::size_t kept = 0;
-    for (const Box& other : active) {
-      if (other.high.x() < box.low.x()) continue;
-      active[kept++] = other;
-      if (other.low.y() <= box.high.y() && box.low.y() <= other.high.y()) compare(other.piece, box.piece);
-    }
-    active.resize(kept);
-    active.push_back(box);
+  std::vector<Index> met;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    // What lies beyond the first meeting that is known is no matter any more.
+    const auto matters = [&](Index piece) {
+      return first.how == How::Apart || pieces.pieces[std::size_t(piece)].strand <= where.first;
+    };
+    if (!matters(order[k])) continue;
+    met.clear();
+    frames.each_near(k, [&](Index other) {
+      if (std::size_t(other) < k && matters(order[std::size_t(other)])) met.push_back(other);
+    });
+    std::ranges::sort(met);
+    for (const Index other : met) compare(order[std::size_t(other)], order[k]);
   }
   if (first.how == How::Apart) return std::nullopt;
   const Strand &s = drawing.strands[std::size_t(where.second)], &t = drawing.strands[std::size_t(where.first)];

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 
 namespace kerf {
 
@@ -30,6 +32,17 @@ Vec2 on_strand(const std::vector<Vec2>& corners, const Strand& strand, double s)
 }
 
 }  // namespace
+
+AxisBox box_of(const Drawing& drawing, const Strand& strand) {
+  if (strand.arc) return AxisBox{strand.arc->center, strand.arc->center}.grown(largest_radius(*strand.arc));
+  return box_around(drawing.corners[std::size_t(strand.from)], drawing.corners[std::size_t(strand.to)]);
+}
+
+std::vector<AxisBox> boxes_of(const Drawing& drawing) {
+  std::vector<AxisBox> boxes;
+  for (const Strand& strand : drawing.strands) boxes.push_back(box_of(drawing, strand));
+  return boxes;
+}
 
 /// Exact on a straight strand; samples, then bisection of the stationarity condition (x - y(t)) . y'(t) = 0, on an arc.
 Foot nearest(const Drawing& drawing, const Strand& strand, const Vec2& x) {
@@ -93,64 +106,79 @@ void add_loop(Drawing& drawing, const Loop& loop, Index number, Index region = n
   }
 }
 
-/// Cuts strand k at s, where `corner` lies. A whole circle is turned instead, so that it starts and ends there.
-void cut(Drawing& drawing, std::size_t k, double s, Index corner) {
-  Strand& strand = drawing.strands[k];
-  if (strand.arc && strand.from == strand.to) {
-    const double turn = s * (strand.arc->to - strand.arc->from);
-    strand.arc->from += turn;
-    strand.arc->to += turn;
-    strand.from = strand.to = corner;
-    return;
+/// The sides of loops while ends of cracks cut them.
+class CutSides {
+ public:
+  explicit CutSides(Drawing& drawing) : drawing_(drawing), tree_(boxes_of(drawing)) {
+    for (const Strand& strand : drawing.strands) turned_.resize(std::size_t(strand.loop) + 1, false);
   }
-  Strand rest = strand;
-  rest.from = strand.to = corner;
-  if (strand.arc) rest.arc->from = strand.arc->to = parameter(*strand.arc, s);
-  drawing.strands.insert(drawing.strands.begin() + Index(k) + 1, rest);
-}
 
-/// The corner for the end x of a crack: on the side that it reaches, or a tip of its own.
-/// A crack that ends on a whole circle first turns the circle so that it begins there; a second one cuts it in two
-/// halves.
-Index end_corner(Drawing& drawing, std::vector<bool>& turned, const Vec2& x) {
-  const double join = join_tolerance * drawing.extent;
-  Foot best{0, infinity};
-  std::size_t side = 0;
-  for (std::size_t k = 0; k < drawing.strands.size(); ++k) {
-    const Foot foot = nearest(drawing, drawing.strands[k], x);
-    if (foot.distance < best.distance) best = foot, side = k;
-  }
-  const Index fresh = Index(drawing.corners.size());
-  if (!(best.distance <= join)) {
-    drawing.corners.push_back(x);
+  /// The corner for the end x of a crack: on the side that it reaches, or a tip of its own.
+  Index end_corner(const Vec2& x) {
+    const double join = join_tolerance * drawing_.extent;
+    Foot best{0, infinity};
+    std::size_t side = 0, part = 0;
+    // Twice: sides have moved by less than `join` since the tree was made.
+    for (const Index k : tree_.meeting(AxisBox{x, x}.grown(2 * join))) {
+      const std::span<Strand> parts = parts_of(std::size_t(k));
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        const Foot foot = nearest(drawing_, parts[i], x);
+        if (foot.distance < best.distance) best = foot, side = std::size_t(k), part = i;
+      }
+    }
+    const Index fresh = Index(drawing_.corners.size());
+    if (!(best.distance <= join)) {
+      drawing_.corners.push_back(x);
+      return fresh;
+    }
+    // The seam of a whole circle is no corner, unless a crack has ended there.
+    Strand& strand = parts_of(side)[part];
+    const bool whole = strand.arc && strand.from == strand.to, seam = whole && !turned_[std::size_t(strand.loop)];
+    if (!seam)
+      for (const Index corner : {strand.from, strand.to})
+        if ((drawing_.corners[std::size_t(corner)] - x).norm() <= join) return corner;
+    const Vec2 foot = on_strand(drawing_.corners, strand, best.s);
+    const Vec2 place = best.distance <= 1e-13 * drawing_.extent ? x : foot;
+    if (seam) {  // turned, so that it starts and ends there
+      turned_[std::size_t(strand.loop)] = true;
+      drawing_.corners[std::size_t(strand.from)] = place;
+      const double turn = best.s * (strand.arc->to - strand.arc->from);
+      strand.arc->from += turn;
+      strand.arc->to += turn;
+      return strand.from;
+    }
+    Strand rest = strand;
+    rest.from = strand.to = fresh;
+    if (strand.arc) rest.arc->from = strand.arc->to = parameter(*strand.arc, best.s);
+    std::vector<Strand>& parts = parts_[side];
+    if (parts.empty()) parts.push_back(strand);
+    parts.insert(parts.begin() + Index(part) + 1, rest);
+    drawing_.corners.push_back(place);
     return fresh;
   }
-  // The seam of a whole circle is no corner, unless a crack has ended there.
-  const Strand strand = drawing.strands[side];
-  const bool whole = strand.arc && strand.from == strand.to && !turned[std::size_t(strand.loop)];
-  if (!whole)
-    for (const Index corner : {strand.from, strand.to})
-      if ((drawing.corners[std::size_t(corner)] - x).norm() <= join) return corner;
-  const Vec2 foot = on_strand(drawing.corners, strand, best.s);
-  const Vec2 place = best.distance <= 1e-13 * drawing.extent ? x : foot;
-  if (whole) {
-    turned[std::size_t(strand.loop)] = true;
-    drawing.corners[std::size_t(strand.from)] = place;
-    cut(drawing, side, best.s, strand.from);
-    return strand.from;
+
+  /// All of them, in order.
+  std::vector<Strand> strands() const {
+    std::vector<Strand> all;
+    for (std::size_t k = 0; k < drawing_.strands.size(); ++k)
+      if (const auto cut = parts_.find(k); cut != parts_.end())
+        all.insert(all.end(), cut->second.begin(), cut->second.end());
+      else
+        all.push_back(drawing_.strands[k]);
+    return all;
   }
-  if (strand.arc && strand.from == strand.to) {  // a circle that already starts at a crack: two halves
-    Strand& first = drawing.strands[side];
-    Strand second = first;
-    first.to = second.from = fresh;
-    first.arc->to = second.arc->from = parameter(*strand.arc, best.s);
-    drawing.strands.insert(drawing.strands.begin() + Index(side) + 1, second);
-  } else {
-    cut(drawing, side, best.s, fresh);
+
+ private:
+  std::span<Strand> parts_of(std::size_t side) {
+    const auto cut = parts_.find(side);
+    return cut != parts_.end() ? std::span(cut->second) : std::span(&drawing_.strands[side], 1);
   }
-  drawing.corners.push_back(place);
-  return fresh;
-}
+
+  Drawing& drawing_;
+  BoxTree tree_;
+  std::vector<bool> turned_;                          // whole circles at whose seam a crack ends, per loop
+  std::map<std::size_t, std::vector<Strand>> parts_;  // of those that are cut
+};
 
 }  // namespace
 
@@ -197,18 +225,19 @@ Drawing draw(const Shape& shape) {
   drawing.extent = extent(shape);
   add_loop(drawing, shape.outline, 0);
   for (std::size_t h = 0; h < shape.holes.size(); ++h) add_loop(drawing, shape.holes[h], Index(h) + 1);
-  std::vector<bool> turned(shape.holes.size() + 1, false);
   std::vector<std::array<Index, 2>> ends;
   const std::vector<bool> along = along_regions(shape);
+  CutSides sides(drawing);
   for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
     const Crack& crack = shape.cracks[c];
     if (along[c]) {
       ends.push_back({none, none});
       continue;
     }
-    const Index start = end_corner(drawing, turned, crack.points.front());
-    ends.push_back({start, end_corner(drawing, turned, crack.points.back())});
+    const Index start = sides.end_corner(crack.points.front());
+    ends.push_back({start, sides.end_corner(crack.points.back())});
   }
+  drawing.strands = sides.strands();
   for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
     if (along[c]) continue;
     const std::vector<Vec2>& path = shape.cracks[c].points;

@@ -2,6 +2,7 @@
 // The shape as corners and smooth strands between them, crack ends joined to the sides on which they end. What
 // find_problem looks at and the mesher splits.
 
+#include "geometry/boxes.hpp"
 #include "geometry/plane.hpp"
 #include "kerf/shape.hpp"
 
@@ -58,6 +59,10 @@ Vec2 point(const Drawing& drawing, const Strand& strand, double s);
 
 Vec2 velocity(const Drawing& drawing, const Strand& strand, double s);  // dx/ds
 double length(const Drawing& drawing, const Strand& strand);            // of an arc: at most that, a circle's exactly
+
+/// A box around the strand: around all of its circle or ellipse, if it is curved. And those of all.
+AxisBox box_of(const Drawing& drawing, const Strand& strand);
+std::vector<AxisBox> boxes_of(const Drawing& drawing);
 
 /// Nearest point of the strand.
 struct Foot {

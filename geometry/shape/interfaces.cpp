@@ -39,6 +39,12 @@ struct InterfaceCut {
   Index corner;
 };
 
+BoxTree tree_of(const std::vector<Vec2>& points) {
+  std::vector<AxisBox> boxes;
+  for (const Vec2& x : points) boxes.push_back({x, x});
+  return BoxTree(boxes);
+}
+
 /// The strand in pieces between its cuts; a whole circle begins and ends at cuts.
 void append_pieces(const Strand& strand, std::vector<InterfaceCut> cuts, std::vector<Strand>& pieces) {
   std::stable_sort(cuts.begin(), cuts.end(), [](const InterfaceCut& a, const InterfaceCut& b) { return a.s < b.s; });
@@ -84,22 +90,31 @@ class Sharing {
  private:
   /// A region's corner that is another's, or a loop's, becomes that one. The seam of a whole circle is no corner.
   void merge_corners() {
-    std::vector<Index> earlier;
+    const BoxTree tree = tree_of(drawing_.corners);
+    std::vector<Index> place(drawing_.corners.size(), none);  // among the corners seen so far
+    const auto seen = [&](Index v) { return place[std::size_t(v)] != none; };
     for (Strand& strand : drawing_.strands) {
       if (strand.crack != none || whole(strand)) continue;
       for (Index* end : {&strand.from, &strand.to}) {
         Index& v = instead_[std::size_t(*end)];
-        if (v == *end && strand.region != none && std::ranges::find(earlier, v) == earlier.end())
-          for (const Index other : earlier)
-            if ((at(other) - at(v)).norm() <= join_) {
-              v = other;
-              break;
-            }
-        if (v == *end && std::ranges::find(earlier, v) == earlier.end()) earlier.push_back(v);
+        if (v == *end && strand.region != none && !seen(v)) {
+          Index first = none;
+          for (const Index other : tree.meeting(AxisBox{at(v), at(v)}.grown(join_)))
+            if (seen(other) && (at(other) - at(*end)).norm() <= join_ &&
+                (first == none || place[std::size_t(other)] < place[std::size_t(first)]))
+              first = other;
+          if (first != none) v = first;
+        }
+        if (v == *end && !seen(v)) {
+          place[std::size_t(v)] = Index(corners_.size());
+          corners_.push_back(v);
+        }
         *end = v;
       }
     }
-    corners_ = std::move(earlier);
+    std::vector<Vec2> points;
+    for (const Index v : corners_) points.push_back(at(v));
+    tree_ = tree_of(points);
     of_region_.assign(drawing_.corners.size(), true);
     for (const Strand& strand : drawing_.strands)
       if (strand.region == none) of_region_[std::size_t(strand.from)] = of_region_[std::size_t(strand.to)] = false;
@@ -109,16 +124,13 @@ class Sharing {
   std::vector<InterfaceCut> cuts_of(std::size_t k) {
     const Strand& strand = drawing_.strands[k];
     std::vector<InterfaceCut> cuts;
-    Vec2 low = at(strand.from).cwiseMin(at(strand.to)), high = at(strand.from).cwiseMax(at(strand.to));
-    if (strand.arc) {
-      low = strand.arc->center.array() - largest_radius(*strand.arc);
-      high = strand.arc->center.array() + largest_radius(*strand.arc);
-    }
-    for (const Index v : corners_) {
+    const AxisBox box = box_of(drawing_, strand).grown(join_);
+    for (const Index place : tree_.meeting(box.grown(join_))) {  // a corner may have moved by that
+      const Index v = corners_[std::size_t(place)];
       const Vec2& x = at(v);
       if (v == strand.from || v == strand.to) continue;
       if (strand.region == none && !of_region_[std::size_t(v)]) continue;  // loops are no matter of regions
-      if ((x.array() < low.array() - join_).any() || (x.array() > high.array() + join_).any()) continue;
+      if (!box.has(x)) continue;
       const Foot foot = nearest(drawing_, strand, x);
       if (!(foot.distance <= join_)) continue;
       cuts.push_back({foot.s, v});
@@ -135,6 +147,7 @@ class Sharing {
   Drawing& drawing_;
   const double join_;
   std::vector<Index> instead_, corners_;
+  BoxTree tree_;  // of the corners
   std::vector<bool> of_region_;
   std::set<Index> moved_;
 };
@@ -148,10 +161,11 @@ struct Nesting {
 };
 
 /// Points just inside a region, beside the middle of each of its strands.
-std::vector<Vec2> inner_points(const Drawing& drawing, Index region, const std::vector<Vec2>& border) {
+std::vector<Vec2> inner_points(const Drawing& drawing, const std::vector<std::size_t>& strands,
+                               const std::vector<Vec2>& border) {
   std::vector<Vec2> points;
-  for (const Strand& strand : drawing.strands) {
-    if (strand.region != region) continue;
+  for (const std::size_t k : strands) {
+    const Strand& strand = drawing.strands[k];
     const Vec2 x = point(drawing, strand, 0.5), along = velocity(drawing, strand, 0.5).normalized();
     const Vec2 inwards(-along.y(), along.x());
     for (double step = 0.01 * length(drawing, strand); step > 4 * join_tolerance * drawing.extent; step /= 2)
@@ -172,9 +186,19 @@ Nesting nest(const Drawing& drawing, const Shape& shape) {
     nesting.area.push_back(std::abs(signed_area(region)));
     border.push_back(flatten(region, 1e-6 * drawing.extent, drawing.extent).points);
   }
+  std::vector<std::vector<std::size_t>> strands(n);
+  for (std::size_t k = 0; k < drawing.strands.size(); ++k)
+    if (const Index r = drawing.strands[k].region; r != none) strands[std::size_t(r)].push_back(k);
+  std::vector<AxisBox> boxes(n);
+  for (std::size_t r = 0; r < n; ++r)
+    for (const Vec2& x : border[r]) boxes[r].add(x);
+  const BoxTree tree(boxes);
   for (std::size_t r = 0; r < n; ++r) {
-    const std::vector<Vec2> inner = inner_points(drawing, Index(r), border[r]);
-    for (std::size_t other = 0; other < n; ++other) {
+    const std::vector<Vec2> inner = inner_points(drawing, strands[r], border[r]);
+    AxisBox around_inner;
+    for (const Vec2& x : inner) around_inner.add(x);
+    for (const Index o : tree.meeting(around_inner)) {
+      const auto other = std::size_t(o);
       if (other == r || nesting.area[other] < nesting.area[r]) continue;
       const auto within = std::ranges::count_if(inner, [&](const Vec2& x) { return inside(border[other], x); });
       if (within == 0) continue;
@@ -187,7 +211,7 @@ Nesting nest(const Drawing& drawing, const Shape& shape) {
         continue;
       }
       Index& around = nesting.around[r];
-      if (around == none || nesting.area[other] < nesting.area[std::size_t(around)]) around = Index(other);
+      if (around == none || nesting.area[other] < nesting.area[std::size_t(around)]) around = o;
     }
   }
   return nesting;
@@ -383,8 +407,10 @@ std::vector<bool> along_regions(const Shape& shape) {
     const double r = (x - strand.arc->center).norm();
     return r > largest_radius(*strand.arc) + join || r < smallest_radius(*strand.arc) - join;
   };
+  const BoxTree tree(boxes_of(drawing));
   const auto on_region = [&](const Vec2& x) {
-    return std::ranges::any_of(drawing.strands, [&](const Strand& strand) {
+    return std::ranges::any_of(tree.meeting(AxisBox{x, x}.grown(2 * join)), [&](Index k) {
+      const Strand& strand = drawing.strands[std::size_t(k)];
       return strand.region != none && !far(strand, x) && nearest(drawing, strand, x).distance <= join;
     });
   };

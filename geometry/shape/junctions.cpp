@@ -8,7 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <numeric>
 
 namespace kerf {
 
@@ -53,55 +53,43 @@ struct Joiner {
   }
 };
 
-struct Box {
-  Vec2 low, high;
-  std::size_t strand;
-};
-
 /// Pairs of strands whose boxes meet, in an order that depends on the drawing alone.
 template <class Visit>
 void each_pair(const Joiner& j, Visit&& visit) {
-  std::vector<Box> boxes;
-  for (std::size_t k = 0; k < j.cuts.size(); ++k) {
-    const Strand& strand = j.strand(k);
-    Vec2 low = j.at(strand.from).cwiseMin(j.at(strand.to)), high = j.at(strand.from).cwiseMax(j.at(strand.to));
-    if (strand.arc) {
-      low = strand.arc->center.array() - largest_radius(*strand.arc);
-      high = strand.arc->center.array() + largest_radius(*strand.arc);
-    }
-    boxes.push_back({low.array() - j.join, high.array() + j.join, k});
+  std::vector<AxisBox> boxes;
+  for (std::size_t k = 0; k < j.cuts.size(); ++k) boxes.push_back(box_of(j.drawing, j.strand(k)).grown(j.join));
+  const BoxTree tree(boxes);
+  std::vector<std::vector<Index>> later;  // before any visit, which may move corners
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    later.push_back(tree.meeting(boxes[k]));
+    std::erase_if(later.back(),
+                  [&](Index l) { return std::size_t(l) <= k || j.strand(std::size_t(l)).crack == j.strand(k).crack; });
   }
-  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
-    return std::tuple(a.low.x(), a.strand) < std::tuple(b.low.x(), b.strand);
-  });
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    for (std::size_t k = i + 1; k < boxes.size() && boxes[k].low.x() <= boxes[i].high.x(); ++k)
-      if (boxes[k].low.y() <= boxes[i].high.y() && boxes[i].low.y() <= boxes[k].high.y() &&
-          j.strand(boxes[i].strand).crack != j.strand(boxes[k].strand).crack)
-        pairs.push_back(std::minmax(boxes[i].strand, boxes[k].strand));
-  std::sort(pairs.begin(), pairs.end());
-  for (const auto& [a, b] : pairs) visit(a, b);
+  for (std::size_t k = 0; k < later.size(); ++k)
+    for (const Index l : later[k]) visit(k, std::size_t(l));
 }
 
 /// One corner for those of two cracks that coincide: the one on a loop, or the earlier one.
 void merge_corners(Joiner& j) {
-  std::vector<Index> instead(j.drawing.corners.size());
-  for (std::size_t v = 0; v < instead.size(); ++v) instead[v] = Index(v);
+  std::vector<Index> next(j.drawing.corners.size());  // on the way to the one that stands for it
+  std::iota(next.begin(), next.end(), Index(0));
+  const auto instead = [&](Index v) {
+    while (next[std::size_t(v)] != v) v = next[std::size_t(v)] = next[std::size_t(next[std::size_t(v)])];
+    return v;
+  };
   each_pair(j, [&](std::size_t k, std::size_t l) {
     for (const Index given : {j.strand(k).from, j.strand(k).to})
       for (const Index other : {j.strand(l).from, j.strand(l).to}) {
-        const Index a = instead[std::size_t(given)], b = instead[std::size_t(other)];
+        const Index a = instead(given), b = instead(other);
         if (a == b || (j.at(given) - j.at(other)).norm() > j.join) continue;
         const bool keep_b = j.fixed[std::size_t(b)] && !j.fixed[std::size_t(a)];
-        for (Index& v : instead)
-          if (v == (keep_b ? a : b)) v = keep_b ? b : a;
+        next[std::size_t(keep_b ? a : b)] = keep_b ? b : a;
       }
   });
   for (std::size_t k = 0; k < j.cuts.size(); ++k) {
     Strand& strand = j.drawing.strands[j.first + k];
-    strand.from = instead[std::size_t(strand.from)];
-    strand.to = instead[std::size_t(strand.to)];
+    strand.from = instead(strand.from);
+    strand.to = instead(strand.to);
   }
 }
 

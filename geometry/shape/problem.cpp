@@ -165,29 +165,81 @@ Problem lengths_of_cracks(const Shape& shape, double size, const std::vector<boo
   return {};
 }
 
-/// Whether most of the points, or of some twenty of them, lie in the loop. All do or none, but close to an arc its
-/// chords may say otherwise.
-bool contains(const std::vector<std::array<Vec2, 2>>& loop, const std::vector<Vec2>& x) {
-  const std::size_t step = std::max<std::size_t>(1, x.size() / 20);
-  std::ptrdiff_t within = 0;
-  for (std::size_t i = 0; i < x.size(); i += step) within += inside(loop, x[i]) ? 1 : -1;
-  return within > 0;
+/// The pieces of a loop.
+class Fence {
+ public:
+  std::vector<Vec2> points;  // where they begin
+  AxisBox box;               // says most of what there is to say: arcs bulge from it by less than their chords are long
+
+  void add(const Vec2& a, const Vec2& b, bool curved) {
+    points.push_back(a);
+    sides_.push_back({a, b});
+    box.add(box_around(a, b).grown(curved ? (b - a).norm() : 0));
+  }
+
+  /// Whether most of the points, or of some twenty of them, lie inside. All do or none, but close to an arc its chords
+  /// may say otherwise.
+  bool contains(const std::vector<Vec2>& x) const {
+    const std::size_t step = std::max<std::size_t>(1, x.size() / 20);
+    std::ptrdiff_t within = 0;
+    for (std::size_t i = 0; i < x.size(); i += step) within += inside(x[i]) ? 1 : -1;
+    return within > 0;
+  }
+
+  /// The same, when a look at the first one is enough to see that they do not.
+  bool encloses(const std::vector<Vec2>& x) const {
+    return box.has(x.front()) && contains(x);
+  }
+
+ private:
+  bool inside(const Vec2& x) const {
+    constexpr std::size_t few = 32;
+    if (sides_.size() <= few) return kerf::inside(sides_, x);
+    if (!tree_) {
+      std::vector<AxisBox> boxes;
+      for (const auto& [a, b] : sides_) boxes.push_back(box_around(a, b));
+      tree_ = BoxTree(boxes);
+    }
+    const double rounding = 1e-9 * (box.high - box.low).norm();
+    bool odd = false;
+    tree_->each(
+        [&](const AxisBox& b) { return b.low.y() <= x.y() && x.y() <= b.high.y() && x.x() <= b.high.x() + rounding; },
+        [&](Index k) {
+          const auto& [a, b] = sides_[std::size_t(k)];
+          if (crosses_ray(x, a, b)) odd = !odd;
+        });
+    return odd;
+  }
+
+  std::vector<std::array<Vec2, 2>> sides_;
+  mutable std::optional<BoxTree> tree_;  // made when first asked for
+};
+
+/// The holes whose boxes contain one of the points, rising; `boxes` of the holes alone.
+std::vector<std::size_t> holes_around(const BoxTree& boxes, std::span<const Vec2> x) {
+  std::vector<std::size_t> found;
+  for (const Vec2& point : x)
+    boxes.each([&](const AxisBox& box) { return box.has(point); },
+               [&](Index h) { found.push_back(std::size_t(h) + 1); });
+  std::ranges::sort(found);
+  found.erase(std::ranges::unique(found).begin(), found.end());
+  return found;
 }
 
 /// Of a shape with interfaces: sides of regions that leave the body, whose loops they meet at corners. `loops`: the
 /// outline and holes first.
-Problem beyond_loops(const Shape& shape, const Drawing& drawing,
-                     const std::vector<std::vector<std::array<Vec2, 2>>>& loops) {
+Problem beyond_loops(const Shape& shape, const Drawing& drawing, const std::vector<Fence>& loops,
+                     const BoxTree& holes) {
   for (const Strand& strand : drawing.strands) {
     if (!strand.beyond) continue;
     std::vector<Vec2> x;
     for (int i = 1; i < 8; ++i) x.push_back(point(drawing, strand, i / 8.0));
     const Index region = strand.region == none ? *strand.beyond : strand.region;
     const std::string& called = shape.regions[std::size_t(region)].name;
-    if (!contains(loops[0], x))
+    if (!loops[0].contains(x))
       return fmt::format("region '{}' leaves the body at {}; let it end on the outline", called, text(x[3]));
-    for (std::size_t h = 1; h <= shape.holes.size(); ++h)
-      if (contains(loops[h], x))
+    for (const std::size_t h : holes_around(holes, x))
+      if (loops[h].contains(x))
         return fmt::format("region '{}' reaches into {} at {}; let it end on the hole, or lie around it", called,
                            name(shape, h), text(x[3]));
   }
@@ -197,13 +249,8 @@ Problem beyond_loops(const Shape& shape, const Drawing& drawing,
 /// Loops and cracks are known not to cross: each lies on one side of every other.
 /// A box first, then some twenty points: most pairs are settled by their boxes.
 Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces) {
-  // A box says most of what there is to say: arcs bulge from it by less than their chords are long.
-  struct Box {
-    Vec2 low = Vec2::Constant(infinity), high = -low;
-  };
-  std::vector<std::vector<std::array<Vec2, 2>>> loops(loop_count(shape));
-  std::vector<Box> boxes(loops.size());
-  std::vector<std::vector<Vec2>> on_loop(loops.size()), on_crack(shape.cracks.size());
+  std::vector<Fence> loops(loop_count(shape));
+  std::vector<std::vector<Vec2>> on_crack(shape.cracks.size());
   for (const Piece& piece : pieces.pieces) {
     const Vec2 &a = pieces.points[std::size_t(piece.a)], &b = pieces.points[std::size_t(piece.b)];
     const Strand& strand = drawing.strands[std::size_t(piece.strand)];
@@ -212,34 +259,29 @@ Problem places(const Shape& shape, const Drawing& drawing, const Pieces& pieces)
     } else if (!strand.beyond) {
       const std::size_t l =
           strand.region == none ? std::size_t(strand.loop) : 1 + shape.holes.size() + std::size_t(strand.region);
-      loops[l].push_back({a, b});
-      on_loop[l].push_back(a);
-      const double bulge = strand.arc ? (b - a).norm() : 0;
-      boxes[l].low = boxes[l].low.cwiseMin((a.cwiseMin(b).array() - bulge).matrix());
-      boxes[l].high = boxes[l].high.cwiseMax((a.cwiseMax(b).array() + bulge).matrix());
+      loops[l].add(a, b, strand.arc.has_value());
     }
   }
-  const auto within = [&](const std::vector<Vec2>& x, std::size_t l) {
-    const Vec2& first = x.front();
-    if ((first.array() < boxes[l].low.array()).any() || (first.array() > boxes[l].high.array()).any()) return false;
-    return contains(loops[l], x);
-  };
-  if (Problem problem = beyond_loops(shape, drawing, loops)) return problem;
+  std::vector<AxisBox> boxes;
+  for (std::size_t h = 1; h <= shape.holes.size(); ++h) boxes.push_back(loops[h].box);
+  const BoxTree holes(boxes);
+  if (Problem problem = beyond_loops(shape, drawing, loops, holes)) return problem;
   for (std::size_t h = 1; h < loops.size(); ++h) {
-    if (on_loop[h].empty()) continue;  // a region in a shape with interfaces
-    if (!within(on_loop[h], 0))
-      return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(on_loop[h].front()));
-    for (std::size_t other = 1; other <= shape.holes.size(); ++other)
-      if (other != h && within({on_loop[h].front()}, other) && within(on_loop[h], other))
+    const std::vector<Vec2>& on_loop = loops[h].points;
+    if (on_loop.empty()) continue;  // a region in a shape with interfaces
+    if (!loops[0].encloses(on_loop))
+      return fmt::format("{} lies outside the outline, at {}", name(shape, h), text(on_loop.front()));
+    for (const std::size_t other : holes_around(holes, {&on_loop.front(), 1}))
+      if (other != h && loops[other].contains({on_loop.front()}) && loops[other].contains(on_loop))
         return fmt::format("{} lies inside {}; remove it", name(shape, h), name(shape, other));
   }
   for (std::size_t c = 0; c < on_crack.size(); ++c) {
     if (on_crack[c].empty()) continue;
     const std::string& crack = shape.cracks[c].name;
-    if (!within(on_crack[c], 0))
+    if (!loops[0].encloses(on_crack[c]))
       return fmt::format("crack '{}' lies outside the body, at {}", crack, text(on_crack[c].front()));
-    for (std::size_t h = 1; h <= shape.holes.size(); ++h)
-      if (within(on_crack[c], h))
+    for (const std::size_t h : holes_around(holes, {&on_crack[c].front(), 1}))
+      if (loops[h].contains(on_crack[c]))
         return fmt::format("crack '{}' lies inside {}, at {}", crack, name(shape, h), text(on_crack[c].front()));
   }
   return {};
