@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <unordered_map>
 
 namespace kerf {
 
@@ -59,11 +60,20 @@ const char* law(const CrackLaw& crack) {
   }
 }
 
+/// The edges of boundary and cracks at every vertex that has some, in their order.
+using EdgesAt = std::unordered_map<Index, std::vector<std::size_t>>;
+EdgesAt edges_at(const Mesh& mesh) {
+  EdgesAt at;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.label[e] != none || mesh.crack[e] != none)
+      for (const Index v : mesh.edges[e]) at[v].push_back(e);
+  return at;
+}
+
 /// Where the crack's end lies: "interior", or the label of the boundary or the other crack that it meets.
-std::string place(const Shape& shape, const Mesh& mesh, std::size_t crack, Index vertex) {
+std::string place(const Shape& shape, const Mesh& mesh, const EdgesAt& edges, std::size_t crack, Index vertex) {
   std::string found = "interior";
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    if (mesh.edges[e][0] != vertex && mesh.edges[e][1] != vertex) continue;
+  for (const std::size_t e : edges.at(vertex)) {
     if (mesh.label[e] != none) return "on " + shape.labels[mesh.label[e]];
     const Index other = mesh.crack[e];
     if (other != none && other != static_cast<Index>(crack)) found = "on crack " + shape.cracks[other].name;
@@ -115,15 +125,16 @@ const char* with_eigenstrain(const Scene& scene, Index r) {
 
 void print_regions(Lines& out, const Case& c, const Mesh& mesh, const Bows& bows) {
   const Shape& shape = c.shape;
-  for (std::size_t r = 0; r < shape.regions.size(); ++r) {
-    double size = 0;
-    std::size_t count = 0;
-    for (std::size_t t = 0; t < mesh.region.size(); ++t)
-      if (mesh.region[t] == static_cast<Index>(r))
-        size += cell_area(cell_of(mesh, bows, static_cast<Index>(t))), ++count;
+  std::vector<double> sizes(shape.regions.size(), 0.0);
+  std::vector<std::size_t> counts(shape.regions.size(), 0);
+  for (std::size_t t = 0; t < mesh.region.size(); ++t)
+    if (const Index r = mesh.region[t]; r != none) {
+      sizes[static_cast<std::size_t>(r)] += cell_area(cell_of(mesh, bows, static_cast<Index>(t)));
+      ++counts[static_cast<std::size_t>(r)];
+    }
+  for (std::size_t r = 0; r < shape.regions.size(); ++r)
     out.print("region    {}: {}, area {:.6g}, {} triangles{}\n", shape.regions[r].name, elastic_in_words(c.regions[r]),
-              size, count, with_eigenstrain(c.scene, static_cast<Index>(r)));
-  }
+              sizes[r], counts[r], with_eigenstrain(c.scene, static_cast<Index>(r)));
 }
 
 void print_mesh(Lines& out, const Mesh& mesh) {
@@ -152,6 +163,7 @@ std::string on_faces(const char* what, const BoundaryField& of, const std::strin
 void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
   const Shape& shape = c.shape;
   const std::vector<bool> along = c.mesh ? std::vector<bool>(shape.cracks.size(), false) : along_regions(shape);
+  const EdgesAt at_vertex = edges_at(mesh);
   for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
     const Crack& crack = shape.cracks[k];
     const auto& edges = mesh.cracks.at(k);
@@ -167,8 +179,8 @@ void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
     } else {
       const Index start = mesh.edges[edges.front().edge][edges.front().forward ? 0 : 1];
       const Index end = mesh.edges[edges.back().edge][edges.back().forward ? 1 : 0];
-      out.print(", {} {} to {} {}", at(crack.points.front()), place(shape, mesh, k, start), at(crack.points.back()),
-                place(shape, mesh, k, end));
+      out.print(", {} {} to {} {}", at(crack.points.front()), place(shape, mesh, at_vertex, k, start),
+                at(crack.points.back()), place(shape, mesh, at_vertex, k, end));
     }
     out.print("\n");
   }
@@ -219,8 +231,15 @@ void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh,
   for (std::string& note : notes_on_data(mesh, c.scene, data, c.shape)) notes.push_back(std::move(note));
 }
 
-void note_lost(Notes& notes, const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
-  if (std::string note = note_on_points(whose, mesh, points); !note.empty()) notes.push_back(std::move(note));
+void note_lost(Notes& notes, const Case& c, const Mesh& mesh) {
+  const Locator locator = make_locator(mesh);
+  const auto look = [&](const std::string& whose, const std::vector<Vec2>& points) {
+    if (std::string note = note_on_points(whose, mesh, locator, points); !note.empty())
+      notes.push_back(std::move(note));
+  };
+  for (const Probe& probe : c.probes) look(fmt::format("probe \"{}\"", probe.name), probe.points);
+  if (c.map && !c.map->points.empty()) look("map", c.map->points);
+  if (c.validate) look("validate", c.validate->points);
 }
 
 /// What acts in one of the solutions of a run, and how messages call it: the loads of the scene, of each load case, of
@@ -295,9 +314,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
   Names names;
   for (std::size_t k = 0; k < c.shape.labels.size(); ++k) names.push_back({static_cast<Index>(k), c.shape.labels[k]});
   print_resultants(out, notes, c, mesh, bows, names);
-  for (const Probe& probe : c.probes) note_lost(notes, fmt::format("probe \"{}\"", probe.name), mesh, probe.points);
-  if (c.map && !c.map->points.empty()) note_lost(notes, "map", mesh, c.map->points);
-  if (c.validate) note_lost(notes, "validate", mesh, c.validate->points);
+  note_lost(notes, c, mesh);
   note_loads(notes, c);
   note_start(notes, c);
   if (std::string note = note_on_size(c, mesh.triangles.size()); !note.empty()) notes.push_back(std::move(note));

@@ -96,11 +96,29 @@ Picture mesh_picture(const std::string& title, const Mesh& mesh) {
 
 namespace {
 
+/// The edges of every label, so that one look at the mesh is enough for all of them.
+class LabelledEdges {
+ public:
+  explicit LabelledEdges(const Mesh& mesh) : mesh(mesh) {
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+      if (mesh.label[e] != none) of_[mesh.label[e]].push_back(e);
+  }
+  std::span<const std::size_t> of(Index label) const {
+    const auto found = of_.find(label);
+    return found == of_.end() ? std::span<const std::size_t>() : found->second;
+  }
+
+  const Mesh& mesh;
+
+ private:
+  std::map<Index, std::vector<std::size_t>> of_;
+};
+
 /// Boundary edges of one label, joined where they follow one another; the body lies to their left.
-std::vector<std::vector<Vec2>> chains(const Mesh& mesh, Index label) {
+std::vector<std::vector<Vec2>> chains(const LabelledEdges& edges, Index label) {
+  const Mesh& mesh = edges.mesh;
   std::map<Index, Index> next;  // vertex to vertex
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    if (mesh.label[e] != label) continue;
+  for (const std::size_t e : edges.of(label)) {
     const bool forward = mesh.sides[e][1] == none;
     next[mesh.edges[e][forward ? 0 : 1]] = mesh.edges[e][forward ? 1 : 0];
   }
@@ -168,10 +186,10 @@ struct LoadedSides {
   }
 };
 
-LoadedSides loaded_chains(const Mesh& mesh, std::span<const Traction> tractions) {
+LoadedSides loaded_chains(const LabelledEdges& edges, std::span<const Traction> tractions) {
   LoadedSides out;
   for (const Traction& t : tractions)
-    for (auto& chain : chains(mesh, t.label)) out.add(std::move(chain), t.value);
+    for (auto& chain : chains(edges, t.label)) out.add(std::move(chain), t.value);
   return out;
 }
 
@@ -202,13 +220,14 @@ Picture design_picture(const std::string& title, const Mesh& mesh, const Scene& 
   p.solid = true;
   p.subtitle.clear();
   const auto mention = [&p](const char* words) { p.subtitle += (p.subtitle.empty() ? "" : ", ") + std::string(words); };
+  const LabelledEdges edges(mesh);
   for (const Support& support : scene.supports)
-    for (auto& chain : chains(mesh, support.label))
+    for (auto& chain : chains(edges, support.label))
       (support.first && support.second ? p.supports : p.rollers).push_back(std::move(chain));
   std::vector<Traction> tractions = scene.tractions;
   for (const LoadCase& loads : further)
     tractions.insert(tractions.end(), loads.tractions.begin(), loads.tractions.end());
-  LoadedSides loaded = loaded_chains(mesh, tractions);
+  LoadedSides loaded = loaded_chains(edges, tractions);
   add_pressures(mesh, scene, loaded);
   if (loaded.largest > 0)
     for (const auto& [chain, load] : loaded.chains) add_arrows(chain, load, loaded.largest, size, p);
@@ -249,7 +268,8 @@ Picture check_picture(const std::string& title, const Mesh& mesh, const Scene& s
   Picture p = design_picture(title, mesh, scene, {}, extent(shape));
   constexpr std::uint32_t pale = 0xdde6ee;
   p.color = pale;
-  for (const Named& label : labels) p.names.emplace_back(middle_of(chains(mesh, label.label)), label.text);
+  const LabelledEdges edges(mesh);
+  for (const Named& label : labels) p.names.emplace_back(middle_of(chains(edges, label.label)), label.text);
   for (const Crack& crack : shape.cracks) p.names.emplace_back(middle_of({crack.points}), "crack " + crack.name);
   for (const Loop& region : shape.regions) {
     const Polygon outline = flatten(region, 1e-3 * extent(shape), extent(shape));

@@ -239,9 +239,8 @@ std::vector<double> probe_row(const Model& model, const State& state, Index tria
   return {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), derivative};
 }
 
-std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const MapTask& task,
-                                            const Analysis* analysis) {
-  const std::vector<Index> where = locate(adapted.model.mesh, probe.points);
+std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const Locator& locator,
+                                            const MapTask& task, const Analysis* analysis) {
   std::vector<MapPoint> map(probe.points.size(), MapPoint{.value = nan});
   if (analysis) {
     MapRequest request = task.request;
@@ -249,8 +248,10 @@ std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& a
     map = map_at(*analysis, task.functional, request, probe.points);
   }
   std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < where.size(); ++i)
-    rows.push_back(probe_row(adapted.model, adapted.state, where[i], probe.points[i], map[i].value));
+  for (std::size_t i = 0; i < probe.points.size(); ++i) {
+    const Vec2& x = probe.points[i];
+    rows.push_back(probe_row(adapted.model, adapted.state, locate(adapted.model.mesh, locator, x), x, map[i].value));
+  }
   return rows;
 }
 

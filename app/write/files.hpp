@@ -33,8 +33,8 @@ void write_map_table(const Journal& journal, const MapTask& task, const Mapped& 
 /// x, y, the state and a derivative at a point; NaN for what is not known: all of it outside the body.
 std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x, double derivative);
 /// Of all points of a probe, with the map of the task unless `analysis` is null.
-std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const MapTask& task,
-                                            const Analysis* analysis);
+std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const Locator& locator,
+                                            const MapTask& task, const Analysis* analysis);
 /// A probe_<name>.csv of these rows. Where the probe asks for bounds: those of the stresses, in the order of its
 /// points.
 void write_probe_file(const Journal& journal, const Probe& probe, std::vector<std::vector<double>> rows,
