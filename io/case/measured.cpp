@@ -10,6 +10,7 @@
 
 #include "io/case/measured.hpp"
 
+#include "geometry/boxes.hpp"
 #include "geometry/plane.hpp"
 #include "io/case/table.hpp"
 #include "io/words.hpp"
@@ -18,6 +19,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 namespace kerf {
@@ -54,16 +56,62 @@ struct Foot {
   double distance = infinity, s = 0;
 };
 
-Foot foot_on(const Stretch& stretch, const Vec2& x, bool on_label) {
-  Foot best;
-  for (std::size_t i = 0; i + 1 < stretch.points.size(); ++i) {
-    if (on_label && !stretch.labelled[i]) continue;
-    const Vec2 &a = stretch.points[i], &b = stretch.points[i + 1];
-    const double t = foot(x, a, b), d = (x - a - t * (b - a)).norm();
-    if (d < best.distance) best = {d, stretch.s[i] + t * (stretch.s[i + 1] - stretch.s[i])};
+/// The pieces of stretches, found by what they are near to.
+class NearPieces {
+ public:
+  explicit NearPieces(const std::vector<Stretch>& stretches, bool on_label) {
+    std::vector<AxisBox> boxes;
+    for (std::size_t k = 0; k < stretches.size(); ++k)
+      for (std::size_t i = 0; i + 1 < stretches[k].points.size(); ++i) {
+        if (on_label && !stretches[k].labelled[i]) continue;
+        pieces_.push_back({k, stretches[k].points[i], stretches[k].points[i + 1], stretches[k].s[i],
+                           stretches[k].s[i + 1] - stretches[k].s[i]});
+        boxes.push_back(box_around(pieces_.back().a, pieces_.back().b));
+      }
+    tree_ = BoxTree(boxes);
   }
-  return best;
-}
+
+  struct OnStretch {
+    std::size_t stretch;
+    Foot foot;
+  };
+  /// On every stretch that is as near to x as the nearest one, or further by `slack` at most; in their order.
+  std::vector<OnStretch> feet(const Vec2& x, double slack) const {
+    const auto anywhere = [](const AxisBox&) { return true; };
+    double reach = infinity;
+    tree_.each_near(x, reach, anywhere, [&](Index i) { reach = std::min(reach, on_piece(i, x).distance); });
+    std::vector<Index> near;
+    reach += slack;
+    tree_.each_near(x, reach, anywhere, [&](Index i) { near.push_back(i); });
+    std::ranges::sort(near);
+    std::vector<OnStretch> found;
+    for (const Index i : near) {
+      const Foot here = on_piece(i, x);
+      if (here.distance > reach) continue;
+      const std::size_t stretch = pieces_[static_cast<std::size_t>(i)].stretch;
+      if (found.empty() || found.back().stretch != stretch)
+        found.push_back({stretch, here});
+      else if (here.distance < found.back().foot.distance)
+        found.back().foot = here;
+    }
+    return found;
+  }
+
+ private:
+  struct StretchPiece {
+    std::size_t stretch;
+    Vec2 a, b;
+    double s, length;
+  };
+  Foot on_piece(Index i, const Vec2& x) const {
+    const StretchPiece& p = pieces_[static_cast<std::size_t>(i)];
+    const double t = foot(x, p.a, p.b), d = (x - p.a - t * (p.b - p.a)).norm();
+    return {d, p.s + t * p.length};
+  }
+
+  std::vector<StretchPiece> pieces_;
+  BoxTree tree_;
+};
 
 Vec2 point_at(const Stretch& stretch, double s) {
   const auto above = std::ranges::upper_bound(stretch.s, s);
@@ -75,14 +123,26 @@ Vec2 point_at(const Stretch& stretch, double s) {
 
 // The boundary, cut.
 
-/// Whether two sides of the loop meet there that do not stand for one curve.
-bool is_end_of_side(const Loop& loop, const Vec2& x, double tolerance) {
-  for (std::size_t i = 0; i < loop.sides.size(); ++i) {
-    const Side &before = loop.sides[(i + loop.sides.size() - 1) % loop.sides.size()], &after = loop.sides[i];
-    if ((after.start - x).norm() <= tolerance && !(before.smooth && after.smooth)) return true;
+/// Where two sides of a loop meet that do not stand for one curve.
+class EndsOfSides {
+ public:
+  explicit EndsOfSides(const Loop& loop) {
+    for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+      const Side &before = loop.sides[(i + loop.sides.size() - 1) % loop.sides.size()], &after = loop.sides[i];
+      if (!(before.smooth && after.smooth)) ends_.push_back({after.start, after.start});
+    }
+    tree_ = BoxTree(ends_);
   }
-  return false;
-}
+  bool near(const Vec2& x, double tolerance) const {
+    return std::ranges::any_of(tree_.meeting(AxisBox{x, x}.grown(tolerance)), [&](Index i) {
+      return (ends_[static_cast<std::size_t>(i)].low - x).norm() <= tolerance;
+    });
+  }
+
+ private:
+  std::vector<AxisBox> ends_;
+  BoxTree tree_;
+};
 
 /// Puts the mouths of cracks on the loop among its points.
 // Displacements jump at a mouth: the two faces of the crack end there.
@@ -101,8 +161,9 @@ void add_mouths(Polygon& p, const Shape& shape, double tolerance, std::vector<Ve
       }
 }
 
-void cut(const Loop& loop, const Shape& shape, Index label, std::vector<Stretch>& out) {
-  const double size = extent(shape), tolerance = 2 * chord * size;
+void cut(const Loop& loop, const Shape& shape, double size, Index label, std::vector<Stretch>& out) {
+  const double tolerance = 2 * chord * size;
+  const EndsOfSides ends(loop);
   Polygon p = flatten(loop, chord * size, size / 50);
   std::vector<Vec2> mouths;
   add_mouths(p, shape, tolerance, mouths);
@@ -112,7 +173,7 @@ void cut(const Loop& loop, const Shape& shape, Index label, std::vector<Stretch>
     if (std::ranges::any_of(mouths, [&](const Vec2& m) { return (m - x).norm() <= tolerance; })) return true;
     const Vec2 before = x - p.points[(i + n - 1) % n], after = p.points[(i + 1) % n] - x;
     const double turn = std::abs(std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after)));
-    return turn > corner_turn && is_end_of_side(loop, x, same_place * size);
+    return turn > corner_turn && ends.near(x, same_place * size);
   };
   std::size_t first = 0;
   while (first < n && !begins(first)) ++first;
@@ -146,24 +207,22 @@ struct LeftReadings {
 /// To every stretch that is as near as the nearest one.
 LeftReadings hand_out(const std::vector<Reading>& readings, double size, std::vector<Stretch>& stretches) {
   LeftReadings left;
-  std::vector<Foot> feet(stretches.size());
+  const NearPieces pieces(stretches, false);
+  std::vector<bool> measured;
+  for (const Stretch& stretch : stretches) measured.push_back(stretch.is_measured());
   for (const Reading& r : readings) {
-    double nearest = infinity;
-    for (std::size_t i = 0; i < stretches.size(); ++i) {
-      feet[i] = foot_on(stretches[i], r.x, false);
-      nearest = std::min(nearest, feet[i].distance);
-    }
-    if (nearest > reach * size) {
+    const auto feet = pieces.feet(r.x, same_place * size);
+    const auto near = [&](const NearPieces::OnStretch& on) { return on.foot.distance <= reach * size; };
+    if (std::ranges::none_of(feet, near)) {
       ++left.far;
       continue;
     }
     bool used = false;
-    for (std::size_t i = 0; i < stretches.size(); ++i)
-      if (feet[i].distance <= nearest + same_place * size) {
-        stretches[i].at.push_back(feet[i].s);
-        stretches[i].u.push_back(r.u);
-        used = used || stretches[i].is_measured();
-      }
+    for (const auto& [i, foot] : feet) {
+      stretches[i].at.push_back(foot.s);
+      stretches[i].u.push_back(r.u);
+      used = used || measured[i];
+    }
     if (!used) ++left.elsewhere;
   }
   return left;
@@ -257,6 +316,7 @@ struct Measured {
   double size;
   std::string where;  // beginning of messages
   std::string label;
+  std::optional<NearPieces> pieces = {};  // with the label on them
 };
 
 std::string at_point(const Vec2& x) {
@@ -346,8 +406,8 @@ Vec2 interpolate(const Measured& m, const Vec2& x, const Vec2& n) {
   const Stretch* best = nullptr;
   Foot nearest;
   double along = 0;  // of the normal, on the stretch: none where it is its own
-  for (const Stretch& stretch : m.stretches) {
-    const Foot f = foot_on(stretch, x, true);
+  for (const auto& [k, f] : m.pieces->feet(x, same_place * m.size)) {
+    const Stretch& stretch = m.stretches[k];
     if (f.distance > nearest.distance + same_place * m.size) continue;
     const auto piece = static_cast<std::size_t>(std::ranges::upper_bound(stretch.s, f.s) - stretch.s.begin());
     const std::size_t i = std::clamp<std::size_t>(piece, 1, stretch.s.size() - 1);
@@ -377,14 +437,15 @@ MeasuredField read_measured(const std::filesystem::path& path, const Value& fiel
                .where = fmt::format("{}: {} = {}", to_string(field.node->position), field.name, quote(text(field))),
                .label = shape.labels[static_cast<std::size_t>(label)]});
   std::vector<Stretch> all;
-  cut(shape.outline, shape, label, all);
-  for (const Loop& hole : shape.holes) cut(hole, shape, label, all);
+  cut(shape.outline, shape, m->size, label, all);
+  for (const Loop& hole : shape.holes) cut(hole, shape, m->size, label, all);
   const LeftReadings left = hand_out(readings, m->size, all);
   for (Stretch& stretch : all) sort_readings(stretch, 1e-9 * m->size);
   join_bare(all, 1e-9 * m->size);
   for (Stretch& stretch : all)
     if (stretch.is_measured()) m->stretches.push_back(std::move(stretch));
   std::vector<std::string> notes = checked(*m, left);
+  m->pieces.emplace(m->stretches, true);
   return {[m](const Vec2& x, const Vec2& n) { return interpolate(*m, x, n); }, std::move(notes)};
 }
 
