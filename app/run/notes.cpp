@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace kerf {
 
@@ -71,13 +72,15 @@ std::string note_on_size(const Case& c, std::size_t triangles) {
       c.sizing.size, width, triangles, resolved * width);
 }
 
-std::string note_on_points(const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points) {
-  const std::vector<Index> found = locate(mesh, points);
-  const auto lost = std::ranges::count(found, none);
-  if (lost == 0) return {};
-  const Vec2& first = points[static_cast<std::size_t>(std::ranges::find(found, none) - found.begin())];
+std::string note_on_points(const std::string& whose, const Mesh& mesh, const Locator& locator,
+                           const std::vector<Vec2>& points) {
+  std::vector<Vec2> lost;
+  std::ranges::copy_if(points, std::back_inserter(lost),
+                       [&](const Vec2& x) { return locate(mesh, locator, x) == none; });
+  if (lost.empty()) return {};
+  const Vec2& first = lost.front();
   return fmt::format("{}: {} of {} points lie outside the body, the first at ({:.6g}, {:.6g}): there is no value there",
-                     whose, lost, points.size(), first.x(), first.y());
+                     whose, lost.size(), points.size(), first.x(), first.y());
 }
 
 std::vector<std::string> notes_on_files(const Case& c) {
@@ -170,9 +173,9 @@ void add_notes_on_chords(const Case& c, const Mesh& mesh, const std::function<do
     s.notes.push_back(note_on_chords_of_file(s.von_mises->singular ? *s.von_mises->regular : s.von_mises->largest));
 }
 
-void add_notes_on_points(const Case& c, const Mesh& mesh, Result& r) {
+void add_notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, Result& r) {
   const auto add = [&](const std::string& whose, const std::vector<Vec2>& points) {
-    if (std::string note = note_on_points(whose, mesh, points); !note.empty())
+    if (std::string note = note_on_points(whose, mesh, locator, points); !note.empty())
       r.state->notes.push_back(std::move(note));
   };
   for (const Probe& probe : c.probes) add(fmt::format("probe \"{}\"", probe.name), probe.points);

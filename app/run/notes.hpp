@@ -19,7 +19,8 @@ std::string note_on_loads(const Scene& scene, const Shape& shape);
 /// That the mesh is asked for as coarse as the body: with what size it would be resolved. Empty otherwise.
 std::string note_on_size(const Case& c, std::size_t triangles);
 /// How many of the points lie outside the body, and where the first of them is. Empty where none does.
-std::string note_on_points(const std::string& whose, const Mesh& mesh, const std::vector<Vec2>& points);
+std::string note_on_points(const std::string& whose, const Mesh& mesh, const Locator& locator,
+                           const std::vector<Vec2>& points);
 /// What files that the case names leave to be desired, a mesh of them or the one that is to be made.
 std::vector<std::string> notes_on_files(const Case& c);
 
@@ -41,6 +42,6 @@ void add_notes(const Case& c, const StateFacts& facts, Result& r);
 /// edges next to a place.
 void add_notes_on_chords(const Case& c, const Mesh& mesh, const std::function<double(const Vec2&)>& beside, Result& r);
 /// Of points of probes and of the map outside the body.
-void add_notes_on_points(const Case& c, const Mesh& mesh, Result& r);
+void add_notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, Result& r);
 
 }  // namespace kerf

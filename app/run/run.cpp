@@ -585,12 +585,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   const std::vector<std::vector<BoundedStress>> bounded = bound_probes(*out, journal);
   journal.begin("write");
   const Locator locator = c.probes.empty() && !c.map ? Locator() : make_locator(adapted.model.mesh);
-  const auto outside = [&](const std::string& whose, const std::vector<Vec2>& points) {
-    if (std::string note = note_on_points(whose, adapted.model.mesh, locator, points); !note.empty())
-      r.state->notes.push_back(std::move(note));
-  };
-  for (const Probe& probe : c.probes) outside(fmt::format("probe \"{}\"", probe.name), probe.points);
-  if (r.map && c.map && !c.map->points.empty()) outside("map", c.map->points);
+  add_notes_on_points(c, adapted.model.mesh, locator, r);
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (std::size_t i = 0; i < c.probes.size(); ++i)
     write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, locator, map_task(c), mapped), bounded[i]);

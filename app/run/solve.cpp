@@ -22,7 +22,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iterator>
 
 namespace kerf {
 
@@ -37,65 +36,6 @@ void require_energy(double energy, bool has_stress) {
 bool has_stress(const Model& model, const State& state) {
   const auto stress = state.interior.topRows(stress_count(model.element));
   return stress.size() > 0 && stress.cwiseAbs().maxCoeff() > 0;
-}
-
-std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) {
-  std::vector<std::string> notes;
-  for (const CrackResult& crack : cracks)
-    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
-      notes.push_back(
-          fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
-                      "contact = \"unilateral\" prevents it",
-                      crack.name, crack.penetration));
-  return notes;
-}
-
-std::string note_on_loads(const Scene& scene, const Shape& shape) {
-  const bool by_faces = std::ranges::any_of(scene.laws, [](const CrackLaw& law) { return has_gap(law); });
-  if (has_eigenstrain(scene) || by_faces || !nothing_acts(scene, shape)) return {};
-  return "nothing acts on the body, and its displacements and stresses are 0: give it a traction, a pressure, a body "
-         "force, an eigenstrain or a prescribed displacement that is not 0";
-}
-
-std::string note_on_size(const Case& c, std::size_t triangles) {
-  if (c.mesh || !(c.sizing.size > 0)) return {};
-  Vec2 low = c.shape.outline.sides.front().start, high = low;
-  for (const Side& side : c.shape.outline.sides) low = low.cwiseMin(side.start), high = high.cwiseMax(side.start);
-  for (const Arc& arc : arcs_of(c.shape))
-    for (const Vec2& x : points_on(arc, 8)) low = low.cwiseMin(x), high = high.cwiseMax(x);
-  const double width = (high - low).minCoeff();
-  constexpr double resolved = 0.1;
-  if (!(c.sizing.size >= width)) return {};
-  return fmt::format(
-      "mesh.size = {:.3g} is no smaller than the body is wide, {:.3g}: the mesh has {} triangles, as few as its "
-      "corners "
-      "and cracks allow, and resolves no field; take {:.2g} or less",
-      c.sizing.size, width, triangles, resolved * width);
-}
-
-std::string note_on_points(const std::string& whose, const Mesh& mesh, const Locator& locator,
-                           const std::vector<Vec2>& points) {
-  std::vector<Vec2> lost;
-  std::ranges::copy_if(points, std::back_inserter(lost),
-                       [&](const Vec2& x) { return locate(mesh, locator, x) == none; });
-  if (lost.empty()) return {};
-  const Vec2& first = lost.front();
-  return fmt::format("{}: {} of {} points lie outside the body, the first at ({:.6g}, {:.6g}): there is no value there",
-                     whose, lost.size(), points.size(), first.x(), first.y());
-}
-
-std::vector<std::string> notes_on_files(const Case& c) {
-  std::vector<std::string> notes = c.file_notes;
-  if (!c.mesh) {
-    const std::vector<std::string> crowded = crowded_tips(c.shape, c.sizing);
-    notes.insert(notes.end(), crowded.begin(), crowded.end());
-    return notes;
-  }
-  constexpr std::string_view unlike =
-      "the mesh of domain.file is used as it is: with friction K_II may be wrong by up to a tenth at tips where it is "
-      "not its own mirror image in the crack";
-  if (c.sizing.mirrored_tips) notes.emplace_back(unlike);
-  return notes;
 }
 
 namespace {

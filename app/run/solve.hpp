@@ -24,22 +24,6 @@ bool has_stress(const Model& model, const State& state);
 
 /// Chords for curved sides after all.
 void draw_chords(Case& c, const std::string& why);
-/// Whether chords stand for curved sides, so that what is bounded is of the polygon.
-bool is_of_polygon(const Shape& shape, const Mesh& mesh);
-/// That chords are drawn where nothing asks for them, why, and what that may cost; empty: they are not.
-std::string note_on_drawing(const Case& c, const Model& model);
-
-/// That nothing acts on the body, where that is certain: what it would need. Empty otherwise.
-std::string note_on_loads(const Scene& scene, const Shape& shape);
-/// That the mesh is asked for as coarse as the body: with what size it would be resolved. Empty otherwise.
-std::string note_on_size(const Case& c, std::size_t triangles);
-/// How many of the points lie outside the body, and where the first of them is. Empty where none does.
-std::string note_on_points(const std::string& whose, const Mesh& mesh, const Locator& locator,
-                           const std::vector<Vec2>& points);
-
-/// What files that the case names leave to be desired, a mesh of them or the one that is to be made.
-std::vector<std::string> notes_on_files(const Case& c);
-
 /// Graded at the ends of contact; `how.error` and what belongs to it are not asked.
 Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal);
 Adapted solve_refined(const Body& body, Adaptation how, Journal& journal);

@@ -7,6 +7,7 @@
 // With [[load_case]] all loads belong to load cases, which share the supports of [[boundary]].
 
 #include "io/case/formula.hpp"
+#include "io/case/interfaces.hpp"
 #include "io/words.hpp"
 #include "optimize/load_cases.hpp"
 
@@ -189,7 +190,7 @@ void read_gaps_of_interfaces(const Value& document, Definitions& definitions, Ca
     const std::string name = text(need(entry, "name"));
     return static_cast<std::size_t>(std::ranges::find(c.shape.cracks, name, &Crack::name) - c.shape.cracks.begin());
   };
-  const std::vector<Value> tables = find_tables(document, "interface");
+  const std::vector<Value> tables = interface_tables(document);
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const auto field = find(tables[i], "gap");
     if (!field) continue;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 namespace kerf {
 
@@ -104,6 +105,12 @@ std::vector<std::string> region_names(const Value& field, std::size_t parts, con
 
 }  // namespace
 
+std::vector<Value> interface_tables(const Value& document) {
+  std::vector<Value> tables = find_tables(document, "interface");
+  std::ranges::stable_sort(tables, {}, [](const Value& table) { return text(need(table, "name")); });
+  return tables;
+}
+
 void read_interfaces(const Value& document, Case& c) {
   const std::vector<Value> tables = find_tables(document, "interface");
   if (tables.empty()) return;
@@ -113,6 +120,7 @@ void read_interfaces(const Value& document, Case& c) {
          "crack:<name>, and give it a [[crack]]");
   const Shape shape = c.shape;
   Known known;
+  std::map<std::string, std::vector<std::pair<Crack, CrackLaw>>> runs;
   for (const Value& table : tables) {
     allow_only(table);
     const Value name = need(table, "name"), between = need(table, "between");
@@ -125,12 +133,17 @@ void read_interfaces(const Value& document, Case& c) {
     const std::vector<std::string> names = region_names(name, parts.size(), c.shape);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       parts[k].name = names[k];
-      c.scene.laws.push_back(law);
-      c.scene.laws.back().normal = normal_of(parts[k]);
-      c.shape.cracks.push_back(std::move(parts[k]));
+      c.shape.cracks.push_back(parts[k]);
+      runs[names[0]].emplace_back(parts[k], law).second.normal = normal_of(parts[k]);
     }
     if (law.friction > 0) c.sizing.mirrored_tips = true;
   }
+  c.shape.cracks.resize(shape.cracks.size());
+  for (auto& [name, run] : runs)
+    for (auto& [crack, law] : run) {
+      c.shape.cracks.push_back(std::move(crack));
+      c.scene.laws.push_back(std::move(law));
+    }
 }
 
 }  // namespace kerf

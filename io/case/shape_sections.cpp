@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <unordered_map>
 
 namespace kerf {
 
@@ -68,33 +70,44 @@ Loop read_outline(const Value& outline, const std::string& name) {
   return loop;
 }
 
-Index label_number(const std::string& label, Shape& shape) {
-  const auto known = std::find(shape.labels.begin(), shape.labels.end(), label);
-  const auto number = static_cast<Index>(known - shape.labels.begin());
-  if (known == shape.labels.end()) shape.labels.push_back(label);
-  return number;
-}
+/// The labels of a shape, found by their names.
+class Labels {
+ public:
+  explicit Labels(Shape& shape) : shape_(shape) {
+    for (std::size_t i = 0; i < shape.labels.size(); ++i) number_.emplace(shape.labels[i], static_cast<Index>(i));
+  }
+  Index number(const std::string& label) {
+    const auto [known, is_new] = number_.emplace(label, static_cast<Index>(shape_.labels.size()));
+    if (is_new) shape_.labels.push_back(label);
+    return known->second;
+  }
+
+ private:
+  Shape& shape_;
+  std::unordered_map<std::string, Index> number_;
+};
 
 /// That of a hole, which another loop may have in part, or a name.
-Index label_of(const Value& field, Shape& shape) {
+Index label_of(const Value& field, Labels& known) {
   constexpr std::string_view hole = "hole:";
   const std::string label = text(field);
   const bool of_hole = label.starts_with(hole) && is_safe_name(label.substr(hole.size()));
-  return label_number(of_hole ? label : safe_name(field), shape);
+  return known.number(of_hole ? label : safe_name(field));
 }
 
 /// A label per side.
-void read_sides(const Value& sides, Loop& loop, Shape& shape) {
+void read_sides(const Value& sides, Loop& loop, Labels& known) {
   const std::vector<Value> labels = items(sides);
   if (labels.size() != loop.sides.size())
     fail(sides.node->position, fmt::format("{} has {} labels for the {} edges of the outline; give one per edge",
                                            sides.name, labels.size(), loop.sides.size()));
-  for (std::size_t i = 0; i < labels.size(); ++i) loop.sides[i].label = label_of(labels[i], shape);
+  for (std::size_t i = 0; i < labels.size(); ++i) loop.sides[i].label = label_of(labels[i], known);
 }
 
 void read_domain(const Value& domain, Shape& shape) {
   shape.outline = read_outline(need(domain, "outline"), "outline");
-  read_sides(need(domain, "sides"), shape.outline, shape);
+  Labels known(shape);
+  read_sides(need(domain, "sides"), shape.outline, known);
 }
 
 /// The entries of `frozen` in [optimize].
@@ -138,6 +151,16 @@ void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file,
   }
 }
 
+bool lies_before(const Vec2& a, const Vec2& b) {
+  return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y());
+}
+bool begins_before(const Loop& a, const Loop& b) {
+  return lies_before(a.sides.front().start, b.sides.front().start);
+}
+bool begins_before(const Crack& a, const Crack& b) {
+  return std::ranges::lexicographical_compare(a.points, b.points, lies_before);
+}
+
 Loop read_loop(const Value& hole, const std::string& name, Index label) {
   const std::string kind = one_of(hole);
   const Value form = need(hole, kind);
@@ -168,6 +191,14 @@ Crack read_path(const Value& crack, const std::string& name) {
          fmt::format("{} runs from {:g} to {:g} degrees; an arc turns by more than 0 and less than 360", form.name,
                      from, to));
   return arc_crack(name, point(need(form, "center")), in_range(need(form, "radius")), from * pi / 180, to * pi / 180);
+}
+
+/// Tables of regions, each with its loop.
+void sort_by_place(std::vector<Value>& tables) {
+  std::vector<std::pair<Loop, Value>> drawn;
+  for (const Value& table : tables) drawn.emplace_back(read_loop(table, "", none), table);
+  std::ranges::stable_sort(drawn, [](const auto& a, const auto& b) { return begins_before(a.first, b.first); });
+  for (std::size_t i = 0; i < tables.size(); ++i) tables[i] = drawn[i].second;
 }
 
 }  // namespace
@@ -214,23 +245,27 @@ CrackLaw read_law(const Value& crack) {
 }
 
 void add_holes(const std::vector<Value>& tables, Shape& shape) {
+  const Index before = std::ssize(shape.holes);
+  Labels known(shape);
   for (const Value& hole : tables) {
     allow_only(hole);
     const std::string name = new_name(need(hole, "name"), shape.holes);
     const auto sides = find(hole, "sides");
     if (!sides) {
-      shape.holes.push_back(read_loop(hole, name, label_number("hole:" + name, shape)));
+      shape.holes.push_back(read_loop(hole, name, known.number("hole:" + name)));
       continue;
     }
     Loop loop = read_loop(hole, name, none);
     if (sides->node->kind == Node::Kind::Array) {
-      read_sides(*sides, loop, shape);
+      read_sides(*sides, loop, known);
     } else {
-      const Index label = label_of(*sides, shape);
+      const Index label = label_of(*sides, known);
       for (Side& side : loop.sides) side.label = label;
     }
     shape.holes.push_back(std::move(loop));
   }
+  std::stable_sort(shape.holes.begin() + before, shape.holes.end(),
+                   [](const Loop& a, const Loop& b) { return begins_before(a, b); });
 }
 
 std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack) {
@@ -246,14 +281,21 @@ std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack) {
 }
 
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws) {
+  std::vector<std::pair<Crack, CrackLaw>> read;
+  std::set<std::string> names;
   for (const Value& crack : tables) {
     allow_only(crack);
     const std::string name = new_name(need(crack, "name"), shape.cracks);
+    if (!names.insert(name).second) refuse_taken(need(crack, "name"), name);
     CrackLaw crack_law = read_law(crack);
     Crack path = read_path(crack, name);
     crack_law.normal = normal_of(path);
-    shape.cracks.push_back(std::move(path));
-    laws.push_back(std::move(crack_law));
+    read.emplace_back(std::move(path), std::move(crack_law));
+  }
+  std::ranges::stable_sort(read, [](const auto& a, const auto& b) { return begins_before(a.first, b.first); });
+  for (auto& [crack, law] : read) {
+    shape.cracks.push_back(std::move(crack));
+    laws.push_back(std::move(law));
   }
 }
 
@@ -297,6 +339,7 @@ ReadRegions read_regions(const Value& document, const std::optional<MeshFile>& f
       fail(field.node->position, fmt::format("{}: there is no [[region]] {}; {}", field.name, quote(text(field)),
                                              names.empty() ? "the case has none" : suggest(text(field), names)));
   if (file) add_regions_of_file(tables, *file, c, read);
+  sort_by_place(materials);
   const BodyMaterial body{{c.young, c.poisson, c.orthotropy}, c.plane_strain};
   for (const Elastic& e : add_regions(materials, body, c.shape, c.scene.regions)) c.regions.push_back(e);
   read.tables.insert(read.tables.end(), materials.begin(), materials.end());
