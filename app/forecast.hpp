@@ -14,6 +14,7 @@ struct Forecast {
   std::optional<double> single_mb = {};  // with the factor in single precision, where the case leaves that open
   bool single = false;                   // that is what it takes
   bool at_most = false;                  // an optimization or a refinement may end earlier
+  bool by_one = false;                   // what one process takes, where several share the run
   double taken = 0;                      // seconds for the forecast itself
 };
 

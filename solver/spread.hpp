@@ -6,6 +6,7 @@
 #include "solver/ranks.hpp"
 
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -16,13 +17,48 @@ struct Floating;  // solver/system.hpp
 /// Triangles that a part has at least: with fewer of them per process parts are not worth it.
 inline constexpr std::size_t least_of_part = 8;
 
+/// What solves cost, and how many of them ended before they were as exact as asked; why, of the last of these.
+struct SharedEffort : PartedEffort {
+  int unfinished = 0;
+  std::string ended = {};
+};
+
 /// Solves K z = b, of which a process has the unknowns that are its own, in order.
 class SharedSolver {
  public:
   virtual ~SharedSolver() = default;
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& own) = 0;  // throws Error(Numerics) when it does not converge
-  virtual PartedEffort effort() const = 0;
+  virtual SharedEffort effort() const = 0;
 };
+
+/// What several processes share of a system: symmetric and positive definite. Vectors are those of the rows here, the
+/// same on all who have them.
+struct SharedSystem {
+  using Map = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+  Eigen::VectorXd counted;  // per row 1, or 0 where another process counts it
+  Map multiply, precondition;
+  Index primal = 0;  // unknowns of the small problem of the preconditioner
+};
+struct SharedSolved {
+  Eigen::VectorXd x;
+  int iterations = 0;
+  double condition = 1;  // of the preconditioned matrix, as the iteration shows it; 0: it does not
+  double left = 0;       // of the energy of the solution, its root, that of the error as the preconditioner has it
+  bool failed = false;
+  std::string ended = {};  // why it failed, in words of PETSc
+};
+/// Iterates on it, for many right-hand sides.
+class SharedIteration {
+ public:
+  static constexpr double tolerance = 1e-10, enough = 1e-4;  // the rounds of the state go on from what is enough
+  static constexpr int most = 500;
+  virtual ~SharedIteration() = default;
+  /// Until no more than `tolerance` is left, or no more than `enough` and rounding does not let it shrink.
+  virtual SharedSolved solve(const Eigen::VectorXd& b) = 0;
+};
+
+/// What processes log the time of.
+enum class PartsWork { Assembly, SetUp, Apply, Contact };
 
 /// The processes. All of them call the same functions, in the same order.
 class Peers {
@@ -38,6 +74,26 @@ class Peers {
   /// (E.36) unless processes have been given another one.
   /// `precision`: of the factors of the insides.
   virtual std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads, Precision precision);
+  /// What iterates in it: conjugate gradients (solver/system/gradients.hpp), or what processes have instead.
+  virtual std::unique_ptr<SharedIteration> iteration(SharedSystem system);
+  virtual void log(PartsWork, bool /*begins*/) {}
+};
+
+/// Logs the time that it lives.
+class LoggedWork {
+ public:
+  LoggedWork(Peers& peers, PartsWork work) : peers_(peers), work_(work) {
+    peers_.log(work_, true);
+  }
+  LoggedWork(const LoggedWork&) = delete;
+  LoggedWork& operator=(const LoggedWork&) = delete;
+  ~LoggedWork() {
+    peers_.log(work_, false);
+  }
+
+ private:
+  Peers& peers_;
+  PartsWork work_;
 };
 
 /// Plain values that came as bytes.
@@ -103,7 +159,7 @@ class SharedBody {
   /// OpenSolve (base/sums.hpp).
   Eigen::VectorXd solve_open(const Eigen::VectorXd& forces);
   void drop_factor();
-  PartedEffort effort() const;
+  SharedEffort effort() const;
 
  private:
   struct Impl;

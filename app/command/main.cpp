@@ -34,6 +34,8 @@
 #include <algorithm>
 #include <charconv>
 #include <iostream>
+#include <optional>
+#include <span>
 #include <thread>
 
 namespace kerf {
@@ -191,12 +193,14 @@ std::vector<std::string> limits_as_given(const Arguments& arguments) {
   return words;
 }
 
-Allowed limits_of(const Arguments& arguments) {
+/// Of memory each of several processes has its share.
+Allowed limits_of(const Arguments& arguments, int processes = 1) {
   constexpr double strangers_mb = 4000, strangers_seconds = 600;
   Allowed limits{memory_limit(arguments.max_memory),
                  arguments.max_seconds > 0 ? std::optional(arguments.max_seconds) : std::nullopt};
   if (arguments.untrusted && !limits.memory_mb) limits.memory_mb = strangers_mb;
   if (arguments.untrusted && !limits.seconds) limits.seconds = strangers_seconds;
+  if (limits.memory_mb) *limits.memory_mb /= processes;
   return limits;
 }
 
@@ -294,7 +298,7 @@ int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions&
   const std::optional<Forecast> expected = foretell(c, job, arguments);
   watchdog.end_forecast();
   Progress progress(log_level(arguments.log_level, arguments.quiet));
-  if (expected && !expected->at_most) progress.expect(expected->seconds);
+  if (expected && !expected->at_most && !expected->by_one) progress.expect(expected->seconds);
   options.threads = arguments.threads;
   options.in_single = expected && expected->single;
   options.on_phase = [&progress](const std::string& phase) { progress.phase(phase); };
@@ -348,6 +352,13 @@ int perform_sweep(const Arguments& arguments) {
   return 0;
 }
 
+/// What all processes but the first do.
+void serve(const Case& c, Processes& processes, const Watchdog& watchdog) {
+  catch_signals();
+  processes.serve([&](std::string_view task, Peers& peers) { work_on(c, task, peers); },
+                  [&] { return watchdog.why(); });
+}
+
 int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& processes) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "report") return perform_report(arguments);
@@ -356,13 +367,15 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
     return 0;
   }
   if (arguments.untrusted) require_own_files(arguments.case_file, arguments.overrides);
-  if (arguments.command == "sweep" && started_processes() > 1)
+  if (arguments.command == "sweep" && processes.count() > 1)
     throw Error(Fault::Usage, "kerf sweep starts its runs itself; start it without mpiexec");
   if (arguments.command == "sweep") {
     limits_of(arguments);  // what they mean is said before anything is made
     return perform_sweep(arguments);
   }
   const Case c = read_case(arguments.case_file, arguments.overrides);
+  if (!processes.words().empty() && c.backend != Backend::Petsc)
+    throw Error(Fault::Usage, "what stands behind -- are options of PETSc, for solver.backend = \"petsc\"");
   if (arguments.command == "mesh") return perform_mesh(arguments, c);
   RunOptions options;
   options.folder = std::filesystem::path(arguments.folder);
@@ -388,6 +401,11 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
     print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
     return 0;
   }
+  // Whoever started this process: MPI knows how many there are, before any of them writes.
+  if (c.backend == Backend::Petsc && processes.start() > 0) {
+    serve(c, processes, watchdog);
+    return 0;
+  }
   if (options.resume) check_checkpoint(options.folder, c.fingerprint);
   // Nothing to resume: a run like any other, which overwrites nothing.
   const bool resume = options.resume;
@@ -401,34 +419,58 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
 
 /// Reading counts, too: gmsh may take long for a geometry.
 int perform(const Arguments& arguments, Processes& processes) {
-  Watchdog watchdog(arguments.command == "sweep" ? Allowed{} : limits_of(arguments));
+  Watchdog watchdog(arguments.command == "sweep" ? Allowed{} : limits_of(arguments, processes.count()));
+  const auto explain = [&](const std::string& otherwise) {
+    const auto why = watchdog.why();
+    processes.end_what_waits(why.value_or(otherwise));
+    if (why) throw Error(Fault::Numerics, *why);
+  };
   try {
     return perform_command(arguments, watchdog, processes);
-  } catch (const Error&) {
-    if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
+  } catch (const Error& e) {
+    explain(e.what());
     throw;
   } catch (const Stopped&) {
-    if (const auto why = watchdog.why()) throw Error(Fault::Numerics, *why);
+    explain("stopped, and with it all processes; what was written before stays");
     throw;
   }
+}
+
+/// The arguments in front of --; what stands behind them are options of PETSc.
+std::span<char*> before_words(int argc, char** argv, Processes& processes) {
+  const std::span<char*> all(argv, static_cast<std::size_t>(argc));
+  const auto at = std::ranges::find_if(all, [](const char* word) { return std::string_view(word) == "--"; });
+  if (at != all.end()) processes.take_words({at + 1, all.end()});
+  return {all.begin(), at};
 }
 
 int start(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "bench") start_bench(argv + 1);
   Processes processes;
-  if (started_processes() > 1 && processes.start() > 0) {
-    processes.serve([&](std::string_view task, Peers& peers) {
-      const auto arguments = parse(argc, argv);  // as the first process has done
-      work_on(read_case(arguments->case_file, arguments->overrides), task, peers);
-    });
+  const std::span<char*> own = before_words(argc, argv, processes);
+  const auto parse_own = [&] {
+    std::optional<Arguments> arguments = parse(static_cast<int>(own.size()), own.data());
+    if (arguments) arguments->line = command_line(argc, argv);
+    return arguments;
+  };
+  if (is_launched() && processes.start() > 0) {
+    std::optional<Watchdog> watchdog;
+    catch_signals();
+    processes.serve(
+        [&](std::string_view task, Peers& peers) {
+          const auto arguments = parse_own();  // as the first process has done
+          if (!watchdog) watchdog.emplace(limits_of(*arguments, processes.count()));
+          work_on(read_case(arguments->case_file, arguments->overrides), task, peers);
+        },
+        [&] { return watchdog ? watchdog->why() : std::nullopt; });
     return 0;
   }
-  const auto arguments = parse(argc, argv);
+  const auto arguments = parse_own();
   if (!arguments) return 0;
-  if (arguments->processes > 1 && started_processes() == 1) return run_by_mpiexec(arguments->processes, argv);
-  if (arguments->processes > 1 && arguments->processes != started_processes())
+  if (arguments->processes > 1 && !is_launched()) return run_by_mpiexec(arguments->processes, argv);
+  if (arguments->processes > 1 && arguments->processes != processes.count())
     throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, --processes says {}; leave out one of them",
-                                          started_processes(), arguments->processes));
+                                          processes.count(), arguments->processes));
   return perform(*arguments, processes);
 }
 

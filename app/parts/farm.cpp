@@ -38,7 +38,7 @@ bool has_starts_to_share(const Case& c) {
 }
 
 Farm farm_of(const Case& c, Processes* processes) {
-  if (!processes || started_processes() == 1 || !has_starts_to_share(c)) return {};
+  if (!processes || processes->count() == 1 || !has_starts_to_share(c)) return {};
   return [&c, processes](const std::vector<std::string>& tasks) {
     Packer packed;
     packed(starts, tasks);

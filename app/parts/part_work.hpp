@@ -38,7 +38,7 @@ struct FoundTogether {
   Round round;
   std::string stopped;
   Eigen::VectorXd eta;
-  PartedEffort effort;
+  SharedEffort effort;
   ModelSeconds seconds;
 };
 

@@ -146,10 +146,10 @@ struct InParts {
   FoundTogether solve() {
     if (c.adapt && c.adapt->of) fail_in_parts(c, "mesh.adapt.of asks for intervals, which take the whole");
     if (c.adapt) require(c.element, can_estimate_error);
-    if (c.precision == FactorPrecision::Single && !c.petsc.empty())
-      throw Error(Fault::Usage, fmt::format("{}: options select PETSc's solver, whose factors are in double precision; "
-                                            "leave out solver.precision",
-                                            place_of(c, "solver.petsc")));
+    if (c.precision == FactorPrecision::Single && !processes.by_kerf())
+      throw Error(Fault::Usage, fmt::format("{}: -pc_type selects a solver of PETSc, whose factors are in double "
+                                            "precision; leave out solver.precision",
+                                            place_of(c, "solver.precision")));
     std::vector<Round> rounds;
     std::shared_ptr<const Mesh> given = c.mesh;
     while (true) {
@@ -319,6 +319,10 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   r.functional = functional_result(c.functional, found.functional);
   found.functional.model = &coarse;  // no process has that of the whole
   for (const std::string& note : notes_on(c.functional, found.functional, c.shape, r.cracks)) s.notes.push_back(note);
+  if (found.effort.unfinished > 0)
+    s.notes.push_back(fmt::format("{} of {} solves in parts ended before they were as exact as asked ({}); the rounds "
+                                  "that followed made up for it",
+                                  found.effort.unfinished, found.effort.solves, found.effort.ended));
   if (!certified(found.state)) {
     r.status = "not converged";
     r.reason = failure(coarse, found.state);

@@ -1,25 +1,30 @@
-// The module kerf_petsc.so. PETSc and MPI live here and nowhere else; ranks.cpp gets a table of functions with plain C
-// data, each of which returns null or what is wrong, in words. A process gives its part of the matrix with numbers of
-// its rows among all (MATIS); PETSc solves by conjugate gradients with BDDC [theory: E.30; Zampini 2016],
-//   K x = b to a share of the residual that is left once the insides of the parts are solved (UIRNorm),
-// where a part that nothing holds gets a shift on the diagonal of what it shares, for the set-up of the preconditioner
-// alone. Sums to all go through the first process and are sent back, so that all processes have the same bits; messages
-// beyond 2^30 bytes are sent in pieces, since MPI counts in int. PETSc reads no options from files or the environment
-// and catches no signals. docs/theory/elements.md, "Solving in parts".
+// The module kerf_petsc.so. PETSc and MPI live here and nowhere else.
+//
+// PETSc's KSP drives all solves in parts [theory: E.36]. By default it iterates on what the parts share, a MATSHELL,
+// preconditioned by kerf's BDDC, which is registered as -pc_type kerf. With another -pc_type it solves the condensed
+// system of all parts: bddc and nn take it as parts (MATIS), all others as one sparse matrix (AIJ).
+// A vector of shared rows has each of them twice, with the same value on both processes: all products come out twice
+// as large, all ratios as they are, and no values are moved between numberings.
 
 #include "app/parts/petsc_module.hpp"
 
+#include <petsc/private/kspimpl.h>
+#include <petsc/private/pcimpl.h>
 #include <petscksp.h>
 #include <petscmat.h>
 
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,7 +53,21 @@ const char* failed(PetscErrorCode code) {
 
 constexpr int tag = 77;
 
-const char* start(int* rank, int* count) {
+constexpr const char* own_type = "kerf";
+PetscErrorCode create_preconditioner(PC pc);
+
+/// What -log_view shows besides PETSc's own events: Peers::Work, in its order.
+constexpr std::array<const char*, 4> event_names{"KerfAssembly", "KerfSetUp", "KerfApply", "KerfContact"};
+std::array<PetscLogEvent, event_names.size()> events{};
+
+PetscErrorCode register_own() {
+  PetscClassId own = 0;
+  KERF_TRY(PetscClassIdRegister("kerf", &own));
+  for (std::size_t i = 0; i < events.size(); ++i) KERF_TRY(PetscLogEventRegister(event_names[i], own, &events[i]));
+  return PCRegister("kerf", create_preconditioner);
+}
+
+const char* start(int argc, const char* const* argv, int* rank, int* count) {
   // Open MPI loads parts of its own that look for its names among all that is loaded.
   dlopen("libmpi.so.40", RTLD_NOW | RTLD_GLOBAL);
   setenv("SCOTCH_PTHREAD_NUMBER", "1", 1);  // its threads would make another partition in every run
@@ -56,17 +75,25 @@ const char* start(int* rank, int* count) {
   MPI_Initialized(&there);
   if (!there && MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
     return said("MPI does not start");
-  // No options from the environment or from files, no catching of signals, no talk.
-  if (const PetscErrorCode code = PetscInitializeNoPointers(0, nullptr, nullptr, nullptr)) return failed(code);
+  // Of a user are its words and PETSC_OPTIONS; files named .petscrc may be anybody's. No catching of signals.
+  static std::vector<std::string> words;
+  words = {"kerf", "-skip_petscrc", "-no_signal_handler"};
+  words.insert(words.end(), argv, argv + argc);
+  static std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  int words_count = static_cast<int>(pointers.size());
+  pointers.push_back(nullptr);
+  char** all = pointers.data();
+  if (const PetscErrorCode code = PetscInitialize(&words_count, &all, nullptr, nullptr)) return failed(code);
   PetscPopSignalHandler();
   PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
   MPI_Comm_rank(PETSC_COMM_WORLD, rank);
   MPI_Comm_size(PETSC_COMM_WORLD, count);
+  if (const PetscErrorCode code = register_own()) return failed(code);
   return nullptr;
 }
 
 void finish() {
-  PetscOptionsClear(nullptr);
   PetscFinalize();
   MPI_Finalize();
 }
@@ -121,7 +148,7 @@ PetscErrorCode scotch(int nodes, const int* start, const int* neighbors, int par
   KERF_TRY(MatPartitioningApply(how, &found));
   const PetscInt* values = nullptr;
   KERF_TRY(ISGetIndices(found, &values));
-  std::copy_n(values, nodes, part);
+  std::transform(values, values + nodes, part, [](PetscInt of) { return static_cast<int>(of); });
   KERF_TRY(ISRestoreIndices(found, &values));
   KERF_TRY(ISDestroy(&found));
   KERF_TRY(MatPartitioningDestroy(&how));
@@ -133,9 +160,45 @@ const char* partition(int nodes, const int* start, const int* neighbors, int par
   return code ? failed(code) : nullptr;
 }
 
+/// An option and its value, or none.
+struct Option {
+  std::string name, value;
+};
+/// A word with a dash and a letter behind it is a name, one without a value.
+std::vector<Option> options_of(const char* words) {
+  std::vector<Option> all;
+  std::istringstream in(words);
+  for (std::string word; in >> word;)
+    if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])) != 0)
+      all.push_back({word, {}});
+    else if (!all.empty())
+      all.back().value = word;
+  return all;
+}
+
+PetscErrorCode add_options(const char* words) {
+  for (const Option& option : options_of(words)) {
+    PetscBool there = PETSC_FALSE;
+    KERF_TRY(PetscOptionsHasName(nullptr, nullptr, option.name.c_str(), &there));
+    if (!there)
+      KERF_TRY(
+          PetscOptionsSetValue(nullptr, option.name.c_str(), option.value.empty() ? nullptr : option.value.c_str()));
+  }
+  PetscBool logs = PETSC_FALSE;
+  KERF_TRY(PetscOptionsHasName(nullptr, nullptr, "-log_view", &logs));
+  return logs ? PetscLogDefaultBegin() : 0;  // it is shown in the end; nothing if it has begun
+}
+
 const char* options(const char* words) {
-  const PetscErrorCode code = PetscOptionsInsertString(nullptr, words);
+  const PetscErrorCode code = add_options(words);
   return code ? failed(code) : nullptr;
+}
+
+/// What the end of PETSc looks at.
+bool is_of_the_end(const std::string& name) {
+  constexpr std::array<const char*, 8> beginnings{"options_", "log_",     "malloc", "memory_",
+                                                  "info",     "objects_", "skip_",  "citations"};
+  return std::any_of(beginnings.begin(), beginnings.end(), [&](const char* b) { return name.rfind(b, 0) == 0; });
 }
 
 const char* unused(const char* words) {
@@ -145,24 +208,187 @@ const char* unused(const char* words) {
   std::string left;
   const std::string all = std::string(" ") + words + " ";
   for (PetscInt k = 0; k < count; ++k)
-    if (all.find(std::string(" -") + names[k] + " ") != std::string::npos) left += std::string("-") + names[k] + "\n";
+    if (!is_of_the_end(names[k]) && all.find(std::string(" -") + names[k] + " ") != std::string::npos)
+      left += std::string("-") + names[k] + "\n";
   PetscOptionsLeftRestore(nullptr, &count, &names, &values);
   return left.empty() ? nullptr : said(left);
 }
 
+/// The value of -pc_type.
+std::string preconditioner_type() {
+  std::array<char, 128> type{};
+  PetscBool given = PETSC_FALSE;
+  PetscOptionsGetString(nullptr, nullptr, "-pc_type", type.data(), type.size(), &given);
+  return given ? type.data() : own_type;
+}
+
+int by_kerf() {
+  return preconditioner_type() == own_type ? 1 : 0;
+}
+
 struct Solver {
+  KerfPetscShared shared{};  // of kerf's interface
   Mat matrix = nullptr;
   KSP ksp = nullptr;
   Vec right = nullptr, x = nullptr;
+  std::vector<PetscInt> start, columns;  // of the part
+  void* convergence = nullptr;           // of KSPConvergedDefault
+  // Of a solve: the residual at its least, how many iterations ago that was; small enough, of that at first.
+  double least = 0, enough = 0;
+  int without = 0;
+  PetscBool lanczos = PETSC_FALSE;  // whether there is an estimate of the condition
 };
 
+/// For PETSc: of integers that are ours.
+std::vector<PetscInt> widened(const int* from, std::size_t count) {
+  return {from, from + count};
+}
+
+// On the interface.
+
+using SharedFunction = int (*)(void*, const double*, double*);
+PetscErrorCode apply_shared(const Solver& s, SharedFunction function, Vec x, Vec y) {
+  const PetscScalar* from = nullptr;
+  PetscScalar* to = nullptr;
+  KERF_TRY(VecGetArrayRead(x, &from));
+  KERF_TRY(VecGetArrayWrite(y, &to));
+  const int wrong = function(s.shared.context, from, to);
+  KERF_TRY(VecRestoreArrayWrite(y, &to));
+  KERF_TRY(VecRestoreArrayRead(x, &from));
+  return wrong ? PETSC_ERR_USER : 0;
+}
+Solver* owner_of(Mat shell) {
+  void* context = nullptr;
+  return MatShellGetContext(shell, &context) ? nullptr : static_cast<Solver*>(context);
+}
+PetscErrorCode multiply_shared(Mat A, Vec x, Vec y) {
+  const Solver* s = owner_of(A);
+  return apply_shared(*s, s->shared.multiply, x, y);
+}
+
+// -pc_type kerf.
+
+PetscErrorCode solver_of(PC pc, Solver*& s) {
+  Mat matrix = nullptr;
+  KERF_TRY(PCGetOperators(pc, nullptr, &matrix));
+  PetscBool is_shell = PETSC_FALSE;
+  KERF_TRY(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATSHELL, &is_shell));
+  s = is_shell ? owner_of(matrix) : nullptr;
+  if (!s) SETERRQ(PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "-pc_type kerf is for what kerf's parts share alone");
+  return 0;
+}
+PetscErrorCode precondition_shared(PC pc, Vec r, Vec z) {
+  Solver* s = nullptr;
+  KERF_TRY(solver_of(pc, s));
+  return apply_shared(*s, s->shared.precondition, r, z);
+}
+PetscErrorCode view_preconditioner(PC pc, PetscViewer viewer) {
+  Solver* s = nullptr;
+  KERF_TRY(solver_of(pc, s));
+  return PetscViewerASCIIPrintf(viewer, "  BDDC of kerf: %d parts, %d unknowns of the small problem\n", s->shared.parts,
+                                s->shared.primal);
+}
+PetscErrorCode create_preconditioner(PC pc) {
+  pc->ops->apply = precondition_shared;
+  pc->ops->applytranspose = precondition_shared;
+  pc->ops->view = view_preconditioner;
+  return 0;
+}
+
+/// PETSc's own test, and besides: where the residual is small and has not fallen for a while, rounding has ended it.
+/// In the energy the first guess, the best of a space, is orthogonal to its residual r: |b|^2 = x'b + |r|^2.
+PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason* reason, void* context) {
+  auto& s = *static_cast<Solver*>(context);
+  constexpr int patience = 6;
+  const double gain = std::sqrt(0.1);
+  if (iteration == 0 && ksp->normtype == KSP_NORM_NATURAL && !ksp->guess_zero) {
+    PetscScalar energy = 0;
+    KERF_TRY(VecDot(ksp->vec_sol, ksp->vec_rhs, &energy));
+    ksp->rnorm0 = std::sqrt(norm * norm + std::max(energy, 0.0));
+    ksp->ttol = std::max(ksp->rtol * ksp->rnorm0, ksp->abstol);
+    *reason = norm <= ksp->ttol ? KSP_CONVERGED_RTOL : KSP_CONVERGED_ITERATING;
+  } else {
+    KERF_TRY(KSPConvergedDefault(ksp, iteration, norm, reason, s.convergence));
+  }
+  const bool falls = iteration == 0 || norm < gain * s.least;
+  s.without = falls ? 0 : s.without + 1;
+  if (falls) s.least = norm;
+  if (s.without >= patience && norm <= s.enough * ksp->rnorm0 && *reason == KSP_CONVERGED_ITERATING)
+    *reason = KSP_CONVERGED_ITS;
+  return 0;
+}
+
+/// What the options say, of which the user's go before these.
+PetscErrorCode set_up(Solver& s, double tolerance, int most, bool natural, KerfPetscMade& made) {
+  KERF_TRY(KSPSetTolerances(s.ksp, tolerance, 1e-300, 1e10, most));
+  KERF_TRY(KSPConvergedDefaultCreate(&s.convergence));
+  KERF_TRY(KSPSetConvergenceTest(s.ksp, converged, &s, nullptr));
+  made.mistaken = 1;
+  KERF_TRY(KSPSetFromOptions(s.ksp));
+  PetscBool normed = PETSC_FALSE, in_energy = PETSC_FALSE;
+  KERF_TRY(PetscOptionsHasName(nullptr, nullptr, "-ksp_norm_type", &normed));
+  KERF_TRY(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(s.ksp), &in_energy, KSPCG, KSPPIPECG, KSPPIPECGRR,
+                                     KSPGROPPCG, KSPFCG, KSPPIPEFCG, KSPCR, KSPPIPECR, ""));
+  if (natural && in_energy && !normed) KERF_TRY(KSPSetNormType(s.ksp, KSP_NORM_NATURAL));
+  // Others have no estimate of the condition, or end in a fault when asked for it (fcg of PETSc 3.18).
+  KERF_TRY(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(s.ksp), KSPCG, &s.lanczos));
+  KERF_TRY(KSPSetComputeSingularValues(s.ksp, s.lanczos));
+  KERF_TRY(KSPSetUp(s.ksp));
+  made.mistaken = 0;
+  return KSPSetReusePreconditioner(s.ksp, PETSC_TRUE);
+}
+
+PetscErrorCode make_shared_solver(const KerfPetscShared& shared, double tolerance, double enough, int most, Solver& s,
+                                  KerfPetscMade& made) {
+  s.shared = shared;
+  s.enough = enough;
+  KERF_TRY(MatCreateShell(PETSC_COMM_WORLD, shared.rows, shared.rows, PETSC_DETERMINE, PETSC_DETERMINE, &s, &s.matrix));
+  KERF_TRY(MatShellSetOperation(s.matrix, MATOP_MULT, reinterpret_cast<void (*)()>(multiply_shared)));
+  KERF_TRY(MatShellSetOperation(s.matrix, MATOP_MULT_TRANSPOSE, reinterpret_cast<void (*)()>(multiply_shared)));
+  KERF_TRY(MatSetOption(s.matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  KERF_TRY(MatSetOption(s.matrix, MAT_SPD, PETSC_TRUE));
+  KERF_TRY(MatCreateVecs(s.matrix, &s.x, &s.right));
+  KERF_TRY(KSPCreate(PETSC_COMM_WORLD, &s.ksp));
+  KERF_TRY(KSPSetType(s.ksp, KSPCG));
+  KERF_TRY(KSPSetOperators(s.ksp, s.matrix, s.matrix));
+  PC pc = nullptr;
+  KERF_TRY(KSPGetPC(s.ksp, &pc));
+  KERF_TRY(PCSetType(pc, own_type));
+  // Right-hand sides of one matrix are like those before.
+  KSPGuess guess = nullptr;
+  KERF_TRY(KSPGetGuess(s.ksp, &guess));
+  KERF_TRY(KSPGuessSetType(guess, KSPGUESSFISCHER));
+  constexpr int kept = 40;
+  KERF_TRY(KSPGuessFischerSetModel(guess, 1, kept));
+  return set_up(s, tolerance, most, true, made);
+}
+
+const char* made_or_wrong(PetscErrorCode code, std::unique_ptr<Solver> s, void** solver) {
+  *solver = s.release();
+  return code ? failed(code) : nullptr;
+}
+
+const char* make_shared(const KerfPetscShared* shared, double tolerance, double enough, int most, void** solver,
+                        KerfPetscMade* made) {
+  auto s = std::make_unique<Solver>();
+  const PetscErrorCode code = make_shared_solver(*shared, tolerance, enough, most, *s, *made);
+  return made_or_wrong(code, std::move(s), solver);
+}
+
+// K of the parts.
+
 PetscErrorCode fill(const KerfPetscPart& p, Solver& s) {
+  const auto rows = static_cast<std::size_t>(p.rows);
   ISLocalToGlobalMapping map = nullptr;
-  KERF_TRY(ISLocalToGlobalMappingCreate(PETSC_COMM_WORLD, 1, p.rows, p.number, PETSC_COPY_VALUES, &map));
+  KERF_TRY(ISLocalToGlobalMappingCreate(PETSC_COMM_WORLD, 1, p.rows, widened(p.number, rows).data(), PETSC_COPY_VALUES,
+                                        &map));
   KERF_TRY(MatCreateIS(PETSC_COMM_WORLD, 1, p.owned, p.owned, p.total, p.total, map, map, &s.matrix));
   KERF_TRY(ISLocalToGlobalMappingDestroy(&map));
+  s.start = widened(p.start, rows + 1);
+  s.columns = widened(p.columns, static_cast<std::size_t>(p.start[p.rows]));
   Mat local = nullptr;
-  KERF_TRY(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, p.rows, p.rows, p.start, p.columns, p.values, &local));
+  KERF_TRY(
+      MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, p.rows, p.rows, s.start.data(), s.columns.data(), p.values, &local));
   KERF_TRY(MatSetOption(local, MAT_SYMMETRIC, PETSC_TRUE));
   KERF_TRY(MatSetOption(local, MAT_SPD, PETSC_TRUE));
   KERF_TRY(MatISSetLocalMat(s.matrix, local));
@@ -174,26 +400,20 @@ PetscErrorCode fill(const KerfPetscPart& p, Solver& s) {
   return MatCreateVecs(s.matrix, &s.x, &s.right);
 }
 
-PetscErrorCode make_solver(const KerfPetscPart& p, double tolerance, Solver& s) {
-  KERF_TRY(fill(p, s));
-  KERF_TRY(KSPCreate(PETSC_COMM_WORLD, &s.ksp));
-  KERF_TRY(KSPSetType(s.ksp, KSPCG));
-  KERF_TRY(KSPSetOperators(s.ksp, s.matrix, s.matrix));
-  PC pc = nullptr;
-  KERF_TRY(KSPGetPC(s.ksp, &pc));
-  KERF_TRY(PCSetType(pc, PCBDDC));
-  KERF_TRY(PCBDDCSetLocalAdjacencyGraph(pc, p.rows, p.near_start, p.near_rows, PETSC_COPY_VALUES));
-  constexpr int most = 500;
-  KERF_TRY(KSPSetTolerances(s.ksp, tolerance, 1e-300, 1e10, most));
-  // BDDC begins with what the insides of the parts do under their loads, so that the right-hand side that is left says
-  // nothing of the size of the solution.
-  KERF_TRY(KSPConvergedDefaultSetUIRNorm(s.ksp));
-  KERF_TRY(KSPSetResidualHistory(s.ksp, nullptr, most + 1, PETSC_TRUE));
-  KERF_TRY(KSPSetComputeSingularValues(s.ksp, PETSC_TRUE));
-  KERF_TRY(KSPSetFromOptions(s.ksp));
-  // A part that nothing holds is free to move: what BDDC inverts of it alone needs the shift, on what it shares. (BDDC
-  // counts on the insides being those of the matrix.) What it made stays.
-  std::vector<std::pair<int, double>> there;  // place of a value, the value
+// BDDC [theory: E.30]. Of what parts share, all motions go into the small problem of which the energy of a part, the
+// rest relaxed, differs from their average by more than the threshold: the condition is bounded by it, whatever the
+// materials, cracks and shapes of parts are.
+constexpr const char* bddc_options =
+    "-pc_bddc_use_local_mat_graph 0 -pc_bddc_use_faces "
+    "-pc_bddc_use_deluxe_scaling -pc_bddc_adaptive_threshold 5 -sub_schurs_mat_solver_type mumps "
+    "-pc_bddc_dirichlet_pc_type cholesky -pc_bddc_dirichlet_pc_factor_mat_solver_type mumps "
+    "-pc_bddc_neumann_pc_type cholesky -pc_bddc_neumann_pc_factor_mat_solver_type mumps "
+    "-pc_bddc_coarse_pc_type redundant";
+
+/// A part that nothing holds is free to move: what BDDC inverts of it alone needs the shift, on what it shares. (BDDC
+/// counts on the insides being those of the matrix.) Returns places of values that changed, and what they were.
+PetscErrorCode shift_shared_rows(const KerfPetscPart& p, const Solver& s,
+                                 std::vector<std::pair<std::ptrdiff_t, double>>& there) {
   ISLocalToGlobalMapping map = nullptr;
   KERF_TRY(MatISGetLocalToGlobalMapping(s.matrix, &map, nullptr));
   PetscInt rows = 0, *counts = nullptr, **sharing = nullptr;
@@ -201,13 +421,49 @@ PetscErrorCode make_solver(const KerfPetscPart& p, double tolerance, Solver& s) 
   for (int row = 0; row < p.rows; ++row)
     if (counts[row] > 1) {
       const auto at = std::lower_bound(p.columns + p.start[row], p.columns + p.start[row + 1], row) - p.columns;
-      there.emplace_back(static_cast<int>(at), p.values[at]);
+      there.emplace_back(at, p.values[at]);
       p.values[at] += p.shift[row];
     }
-  KERF_TRY(ISLocalToGlobalMappingRestoreNodeInfo(map, &rows, &counts, &sharing));
-  KERF_TRY(KSPSetUp(s.ksp));
+  return ISLocalToGlobalMappingRestoreNodeInfo(map, &rows, &counts, &sharing);
+}
+
+PetscErrorCode make_solver(const KerfPetscPart& p, double tolerance, Solver& s, KerfPetscMade& made) {
+  KERF_TRY(fill(p, s));
+  const std::string type = preconditioner_type();
+  const bool by_parts = type == PCBDDC || type == PCNN;
+  if (!by_parts) {
+    Mat sum = nullptr;
+    KERF_TRY(MatConvert(s.matrix, MATAIJ, MAT_INITIAL_MATRIX, &sum));
+    KERF_TRY(MatDestroy(&s.matrix));
+    s.matrix = sum;
+    s.start = s.columns = {};
+    KERF_TRY(MatSetOption(s.matrix, MAT_SYMMETRIC, PETSC_TRUE));
+    KERF_TRY(MatSetOption(s.matrix, MAT_SPD, PETSC_TRUE));
+  }
+  KERF_TRY(KSPCreate(PETSC_COMM_WORLD, &s.ksp));
+  KERF_TRY(KSPSetType(s.ksp, KSPCG));
+  KERF_TRY(KSPSetOperators(s.ksp, s.matrix, s.matrix));
+  PC pc = nullptr;
+  KERF_TRY(KSPGetPC(s.ksp, &pc));
+  constexpr int most = 500;
+  std::vector<std::pair<std::ptrdiff_t, double>> there;
+  if (by_parts) {
+    if (type == PCBDDC) {
+      KERF_TRY(add_options(bddc_options));
+      KERF_TRY(PCSetType(pc, PCBDDC));
+      KERF_TRY(PCBDDCSetLocalAdjacencyGraph(
+          pc, p.rows, widened(p.near_start, static_cast<std::size_t>(p.rows) + 1).data(),
+          widened(p.near_rows, static_cast<std::size_t>(p.near_start[p.rows])).data(), PETSC_COPY_VALUES));
+    }
+    KERF_TRY(shift_shared_rows(p, s, there));
+  }
+  const PetscErrorCode code = set_up(s, tolerance, most, false, made);
   for (const auto& [at, value] : there) p.values[at] = value;
-  return KSPSetReusePreconditioner(s.ksp, PETSC_TRUE);
+  if (code) return code;
+  // BDDC begins with what the insides of the parts do under their loads, so that the right-hand side that is left says
+  // nothing of the size of the solution.
+  if (type == PCBDDC) static_cast<KSPConvergedDefaultCtx*>(s.convergence)->initialrtol = PETSC_TRUE;
+  return 0;
 }
 
 void drop(void* solver) {
@@ -216,6 +472,7 @@ void drop(void* solver) {
   MatDestroy(&s->matrix);
   VecDestroy(&s->right);
   VecDestroy(&s->x);
+  if (s->convergence) KSPConvergedDefaultDestroy(s->convergence);
 }
 
 // BDDC keeps its sizes to itself, but prints them: "Global dofs sizes: all 840 interface 112 coarse 24".
@@ -240,12 +497,12 @@ PetscErrorCode read_sizes(const Solver& s, int& interface_rows, int& primal) {
   return 0;
 }
 
-const char* make(const KerfPetscPart* part, double tolerance, void** solver, int* interface_rows, int* primal) {
+const char* make(const KerfPetscPart* part, double tolerance, void** solver, KerfPetscMade* made) {
   auto s = std::make_unique<Solver>();
-  PetscErrorCode code = make_solver(*part, tolerance, *s);
-  if (!code) code = read_sizes(*s, *interface_rows, *primal);
-  *solver = s.release();
-  return code ? failed(code) : nullptr;
+  s->enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
+  PetscErrorCode code = make_solver(*part, tolerance, *s, *made);
+  if (!code) code = read_sizes(*s, made->interface_rows, made->primal);
+  return made_or_wrong(code, std::move(s), solver);
 }
 
 /// The largest resident memory of this process so far.
@@ -276,27 +533,26 @@ PetscErrorCode solve_with(Solver& s, const double* right, double* x, KerfPetscSo
   KERF_TRY(KSPGetConvergedReason(s.ksp, &reason));
   PetscInt iterations = 0;
   KERF_TRY(KSPGetIterationNumber(s.ksp, &iterations));
-  PetscReal largest = 1, smallest = 1, rest = 0;
-  KERF_TRY(KSPGetResidualNorm(s.ksp, &rest));
-  const PetscReal* history = nullptr;
-  PetscInt count = 0;
-  KERF_TRY(KSPGetResidualHistory(s.ksp, &history, &count));
-  if (iterations > 0) KERF_TRY(KSPComputeExtremeSingularValues(s.ksp, &largest, &smallest));
+  PetscReal largest = 0, smallest = 0;
+  if (s.lanczos && iterations > 0) KERF_TRY(KSPComputeExtremeSingularValues(s.ksp, &largest, &smallest));
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   const double seconds = MPI_Wtime() - begin, peak = peak_mb();
-  double own[3] = {(petsc_send_len + petsc_isend_len - sent) / std::max<PetscInt>(iterations, 1), seconds,
+  double own[3] = {(petsc_send_len + petsc_isend_len - sent) / std::max<double>(iterations, 1), seconds,
                    rank == 0 ? 0 : peak};
   double most[3];
   MPI_Allreduce(own, most, 3, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
-  how = {static_cast<int>(iterations),
-         static_cast<int>(reason),
-         smallest > 0 ? largest / smallest : 0,
-         count > 0 && history[0] > 0 ? rest / history[0] : 0,
-         most[0],
-         most[1],
-         peak,
-         most[2]};
+  how = {.iterations = static_cast<int>(iterations),
+         .diverged = reason < 0,
+         .indefinite = reason == KSP_DIVERGED_INDEFINITE_PC || reason == KSP_DIVERGED_INDEFINITE_MAT ||
+                       reason == KSP_DIVERGED_NANORINF || reason == KSP_DIVERGED_PC_FAILED,
+         .reason = KSPConvergedReasons[reason],
+         .condition = smallest > 0 ? largest / smallest : 0,
+         .left = s.ksp->rnorm0 > 0 ? s.ksp->rnorm / s.ksp->rnorm0 : 0,
+         .sent = most[0],
+         .seconds = most[1],
+         .first_mb = peak,
+         .other_mb = most[2]};
   return 0;
 }
 
@@ -364,8 +620,36 @@ void swap(const void* const* to, const std::size_t* to_count, void* const* from,
   MPI_Waitall(static_cast<int>(waiting.size()), waiting.data(), MPI_STATUSES_IGNORE);
 }
 
-constexpr KerfPetsc table{start, finish, abort_all, send,    wait,   receive, partition, options, unused,
-                          make,  solve,  drop,      scatter, gather, sum,     largest,   sizes,   swap};
+/// Where nothing asked for MPI's start, nothing is logged.
+void log_event(int event, int begins) {
+  const PetscLogEvent of = events[static_cast<std::size_t>(event)];
+  if (begins)
+    PetscLogEventBegin(of, 0, 0, 0, 0);
+  else
+    PetscLogEventEnd(of, 0, 0, 0, 0);
+}
+
+constexpr KerfPetsc table{.start = start,
+                          .finish = finish,
+                          .abort = abort_all,
+                          .send = send,
+                          .wait = wait,
+                          .receive = receive,
+                          .partition = partition,
+                          .options = options,
+                          .unused = unused,
+                          .by_kerf = by_kerf,
+                          .make = make,
+                          .make_shared = make_shared,
+                          .solve = solve,
+                          .drop = drop,
+                          .log = log_event,
+                          .scatter = scatter,
+                          .gather = gather,
+                          .sum = sum,
+                          .largest = largest,
+                          .sizes = sizes,
+                          .swap = swap};
 
 }  // namespace
 

@@ -12,6 +12,8 @@
 #include "app/parts/petsc_module.hpp"
 #include "base/kept_memory.hpp"
 #include "io/module.hpp"
+#include "io/words.hpp"
+#include "kerf/stop.hpp"
 #include "solver/factor.hpp"
 
 #include <dlfcn.h>
@@ -21,10 +23,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -52,22 +56,12 @@ const Module& loaded() {
 // What the first process asks the others for; then the name of a solver, and what belongs to it.
 enum class Order : char { Options, Make, Solve, Drop, Task, End };
 
-constexpr double tolerance = 1e-10;  // of the residual of a solve; the rounds of the state refine it
-
 constexpr double shift_of_shear = 1e-5;  // far above the rounding of K_p, far below what holds the body
 
-// BDDC [theory: E.30]. Of what parts share, all motions go into the small problem of which the energy of a part, the
-// rest relaxed, differs from their average by more than the threshold: the condition is bounded by it, whatever the
-// materials, cracks and shapes of parts are.
-constexpr const char* defaults =
-    "-pc_bddc_use_local_mat_graph 0 -pc_bddc_use_faces "
-    "-pc_bddc_use_deluxe_scaling -pc_bddc_adaptive_threshold 5 -sub_schurs_mat_solver_type mumps "
-    "-pc_bddc_dirichlet_pc_type cholesky -pc_bddc_dirichlet_pc_factor_mat_solver_type mumps "
-    "-pc_bddc_neumann_pc_type cholesky -pc_bddc_neumann_pc_factor_mat_solver_type mumps "
-    "-pc_bddc_coarse_pc_type redundant";
-
-/// One process cannot go on: none can.
-[[noreturn]] void end_all(const std::string& words, Fault fault) {
+/// One process cannot go on: none can. What all fail in the first one says, and ends the others while they wait for it.
+[[noreturn]] void end_all(int rank, const std::string& words, Fault fault) {
+  constexpr unsigned patience = 2;  // seconds
+  if (rank > 0) sleep(patience);
   const std::string line = fmt::format("kerf: {}\n", words);
   [[maybe_unused]] const auto written = write(STDERR_FILENO, line.data(), line.size());
   loaded().call->abort(static_cast<int>(fault));
@@ -75,8 +69,14 @@ constexpr const char* defaults =
 }
 
 /// What PETSc fails in on one process the others wait for.
-void need(const char* wrong) {
-  if (wrong) end_all(wrong, Fault::Numerics);
+void need(int rank, const char* wrong) {
+  if (wrong) end_all(rank, wrong, Fault::Numerics);
+}
+/// `mistaken`: the options are what is wrong.
+void need(int rank, const char* wrong, bool mistaken) {
+  if (wrong && mistaken)
+    end_all(rank, fmt::format("options of PETSc (solver.petsc, after --, PETSC_OPTIONS): {}", wrong), Fault::Usage);
+  need(rank, wrong);
 }
 
 /// What all processes do together: one that leaves it would keep the others waiting.
@@ -85,26 +85,91 @@ auto together(int rank, const Work& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    end_all(fmt::format("out of memory on process {}; start more of them", rank), Fault::Numerics);
+    end_all(0, fmt::format("out of memory on process {}; start more of them", rank), Fault::Numerics);
+  } catch (const Error& e) {
+    end_all(rank, e.what(), e.fault);
   } catch (const std::exception& e) {
-    end_all(e.what(), Fault::Numerics);
+    end_all(rank, e.what(), Fault::Numerics);
   }
 }
 
-/// Throws Error(Numerics), on all processes, for a solve that has not come far enough.
+/// Throws Error(Numerics), on all processes, for a solve that has not come far enough, or is not what it seems.
 void require_solved(const KerfPetscSolved& how, int parts) {
   constexpr double enough = 1e-6;  // rounding ends the rest of it, and the rounds of the state go on from there
-  if (how.reason < 0 && !(how.left <= enough))
+  if (how.indefinite || (how.diverged && !(how.left <= enough)))
     throw Error(Fault::Numerics,
-                fmt::format("backend = \"petsc\": conjugate gradients do not converge on {} parts (reason {} of "
-                            "KSPConvergedReason after {} iterations); use fewer parts or backend = \"cholmod\"",
-                            parts, how.reason, how.iterations));
+                fmt::format("PETSc's solver ends on {} parts with {} after {} iterations, {:.1e} of the residual is "
+                            "left; kerf's own preconditioner (-pc_type kerf, the default) may serve, other options of "
+                            "PETSc, or backend = \"cholmod\"",
+                            parts, how.reason, how.iterations, how.left));
 }
 
-/// By PETSc's BDDC.
+/// KSP on what the parts share.
+class KspIteration : public SharedIteration {
+ public:
+  KspIteration(SharedSystem system, int rank, int parts) : system_(std::move(system)), rank_(rank) {
+    const KerfPetscShared view{.rows = static_cast<int>(system_.counted.size()),
+                               .context = this,
+                               .multiply = multiply,
+                               .precondition = precondition,
+                               .parts = parts,
+                               .primal = system_.primal};
+    KerfPetscMade made{};
+    const char* const wrong = loaded().call->make_shared(&view, tolerance, enough, most, &solver_, &made);
+    need(rank_, wrong, made.mistaken != 0);
+  }
+  KspIteration(const KspIteration&) = delete;
+  KspIteration& operator=(const KspIteration&) = delete;
+  ~KspIteration() override {
+    loaded().call->drop(solver_);
+  }
+
+  SharedSolved solve(const Eigen::VectorXd& b) override {
+    SharedSolved found{.x = Eigen::VectorXd::Zero(b.size())};
+    KerfPetscSolved how{};
+    const char* const wrong = loaded().call->solve(solver_, b.data(), found.x.data(), &how);
+    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+    need(rank_, wrong);
+    found.iterations = how.iterations;
+    found.condition = how.condition;
+    found.left = how.left;
+    // Where little is left, rounding makes the products of what is left with itself less than nothing.
+    found.failed = how.diverged && !(how.left <= enough);
+    if (how.diverged) found.ended = how.reason;
+    return found;
+  }
+
+ private:
+  using Map = SharedSystem::Map;
+  int apply(const Map& map, const double* from, double* to) {
+    try {
+      const Eigen::Index n = system_.counted.size();
+      Eigen::Map<Eigen::VectorXd>(to, n) = map(Eigen::Map<const Eigen::VectorXd>(from, n));
+      return 0;
+    } catch (...) {  // C has no exceptions
+      thrown_ = std::current_exception();
+      return 1;
+    }
+  }
+  static int multiply(void* self, const double* x, double* y) {
+    auto& s = *static_cast<KspIteration*>(self);
+    return s.apply(s.system_.multiply, x, y);
+  }
+  static int precondition(void* self, const double* r, double* z) {
+    auto& s = *static_cast<KspIteration*>(self);
+    return s.apply(s.system_.precondition, r, z);
+  }
+
+  SharedSystem system_;
+  int rank_;
+  void* solver_ = nullptr;
+  std::exception_ptr thrown_;
+};
+
+/// By what PETSc has for K.
 class PetscSolver : public SharedSolver {
  public:
-  PetscSolver(std::string packed, int total, int parts) {
+  PetscSolver(std::string packed, int total, int rank, int parts) : rank_(rank) {
     part_ = condensed_part(packed);
     packed = {};
     packed.shrink_to_fit();
@@ -122,7 +187,11 @@ class PetscSolver : public SharedSolver {
                              .near_start = part_.near_start.data(),
                              .near_rows = part_.near_rows.data()};
     effort_.parts = parts;
-    need(loaded().call->make(&view, tolerance, &solver_, &effort_.interface_rows, &effort_.primal));
+    KerfPetscMade made{};
+    const char* const wrong = loaded().call->make(&view, SharedIteration::tolerance, &solver_, &made);
+    need(rank_, wrong, made.mistaken != 0);
+    effort_.interface_rows = made.interface_rows;
+    effort_.primal = made.primal;
     part_.near_start = part_.near_rows = part_.number = {};
   }
   PetscSolver(const PetscSolver&) = delete;
@@ -137,8 +206,12 @@ class PetscSolver : public SharedSolver {
     loaded().call->largest(&size, 1);
     if (size == 0) return x;
     KerfPetscSolved how{};
-    need(loaded().call->solve(solver_, own.data(), x.data(), &how));
+    need(rank_, loaded().call->solve(solver_, own.data(), x.data(), &how));
     ++effort_.solves;
+    if (how.diverged) {
+      ++effort_.unfinished;
+      effort_.ended = how.reason;
+    }
     effort_.iterations = std::max(effort_.iterations, how.iterations);
     effort_.condition = std::max(effort_.condition, how.condition);
     effort_.sent = std::max(effort_.sent, how.sent);
@@ -148,32 +221,35 @@ class PetscSolver : public SharedSolver {
     require_solved(how, effort_.parts);
     return x;
   }
-  PartedEffort effort() const override {
+  SharedEffort effort() const override {
     return effort_;
   }
 
  private:
+  int rank_;
   RankPart part_;  // the solver looks at its matrix
   void* solver_ = nullptr;
-  PartedEffort effort_;
+  SharedEffort effort_;
 };
 
-/// Of the first process, after a solve: throws Error(Usage) for options that nothing has asked for.
-void refuse_unused(const std::string& options) {
+/// Of the first process, after a solve: throws Error(Usage) for options that nothing has asked for. `where`: who gave
+/// them.
+void refuse_unused(const std::string& options, const char* where) {
   const char* names = loaded().call->unused(options.c_str());
   if (!names) return;
   std::string list(names);
   list.pop_back();
   std::ranges::replace(list, '\n', ' ');
-  throw Error(Fault::Usage, fmt::format("solver.petsc: PETSc has no use here for {}; its manual pages of KSPCG, PCBDDC "
-                                        "and MUMPS list their options",
-                                        list));
+  throw Error(
+      Fault::Usage,
+      fmt::format("{}: PETSc has no use here for {}; its manual pages of KSPCG, PCBDDC and MUMPS list their options{}",
+                  where, list,
+                  list.find("-pc_bddc") == std::string::npos ? "" : " (those of PCBDDC go with -pc_type bddc)"));
 }
 
 class MpiPeers : public Peers {
  public:
-  /// `by_petsc`: its BDDC, for which there are options, instead of ours.
-  MpiPeers(int rank, int count, bool by_petsc) : rank_(rank), count_(count), by_petsc_(by_petsc) {}
+  MpiPeers(int rank, int count) : rank_(rank), count_(count) {}
   Index here() const override {
     return static_cast<Index>(rank_);
   }
@@ -203,22 +279,25 @@ class MpiPeers : public Peers {
     return from;
   }
   std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads, Precision precision) override {
-    if (!by_petsc_) return Peers::solver(std::move(packed), total, threads, precision);
-    return std::make_unique<PetscSolver>(std::move(packed), total, count_);
+    if (loaded().call->by_kerf()) return Peers::solver(std::move(packed), total, threads, precision);
+    return std::make_unique<PetscSolver>(std::move(packed), total, rank_, count_);
+  }
+  std::unique_ptr<SharedIteration> iteration(SharedSystem system) override {
+    return std::make_unique<KspIteration>(std::move(system), rank_, count_);
+  }
+  void log(PartsWork work, bool begins) override {
+    loaded().call->log(static_cast<int>(work), begins);
   }
 
  private:
   int rank_, count_;
-  bool by_petsc_;
 };
 
 /// The part of this process in a system that the first one has as a whole.
 class Share {
  public:
-  Share(std::string packed, int total, int owned, int rank, int count, bool by_petsc)
-      : peers_(rank, count, by_petsc),
-        owned_(owned),
-        solver_(peers_.solver(std::move(packed), total, 1, Precision::Double)) {}
+  Share(std::string packed, int total, int owned, int rank, int count)
+      : peers_(rank, count), owned_(owned), solver_(peers_.solver(std::move(packed), total, 1, Precision::Double)) {}
 
   /// `b`, `x`, `counts`: of the first process, of all; else null. Throws Error(Numerics) on all processes.
   void solve(const double* b, double* x, const int* counts) {
@@ -260,7 +339,7 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
  public:
   MpiRanks(int count, std::string options) : count_(count), options_(std::move(options)) {
     tell_all(order(Order::Options, 0, options_));
-    need(loaded().call->options(options_.c_str()));
+    need(0, loaded().call->options(options_.c_str()));
   }
 
   int count() const override {
@@ -301,9 +380,7 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
         loaded().call->send(p, head.data(), head.size());
         loaded().call->send(p, bytes.data(), bytes.size());
       }
-      share_ = together(0, [&] {
-        return std::make_unique<Share>(part(0), total, owned_[0], 0, ranks_->count_, !ranks_->options_.empty());
-      });
+      share_ = together(0, [&] { return std::make_unique<Share>(part(0), total, owned_[0], 0, ranks_->count_); });
     }
     ~Solver() override {
       const std::scoped_lock lock(ranks_->one_at_a_time_);
@@ -334,7 +411,7 @@ class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
 
   /// After the first solve: what nothing has asked for is misspelt, or not for this solver.
   void check_options() {
-    if (!options_checked_) refuse_unused(options_);
+    if (!options_checked_) refuse_unused(options_, "solver.petsc");
     options_checked_ = true;
   }
 
@@ -372,10 +449,31 @@ void require_module() {
 
 }  // namespace
 
+namespace {
+
+/// The first of these that the environment has, and its number.
+struct Counted {
+  const char* name = nullptr;
+  int count = 1;
+};
+Counted counted_by(std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (const char* count = std::getenv(name)) return {name, std::max(1, std::atoi(count))};
+  return {};
+}
+/// Launchers of MPI: Open MPI, MPICH and Intel, MVAPICH.
+Counted by_launcher() {
+  return counted_by({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE"});
+}
+
+}  // namespace
+
 int started_processes() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
-    if (const char* count = std::getenv(name)) return std::max(1, std::atoi(count));
-  return 1;
+  return by_launcher().count;
+}
+
+bool is_launched() {
+  return by_launcher().name || std::getenv("PMIX_RANK");  // srun --mpi=pmix says no number
 }
 
 namespace {
@@ -401,13 +499,9 @@ int run_by_mpiexec(int count, char** argv) {
   if (mpiexec.empty())
     throw Error(Fault::Files,
                 "there is no mpiexec on the PATH; ./dev petsc installs it, or start kerf with your own launcher");
-  std::vector<const char*> words{mpiexec.c_str(),
-                                 "--oversubscribe",
-                                 "--bind-to",
-                                 "none",
-                                 "-n",
-                                 processes.c_str(),
-                                 unknown ? argv[0] : program.c_str()};
+  std::vector<const char*> words{mpiexec.c_str(), "--oversubscribe", "--bind-to", "none", "-n", processes.c_str()};
+  if (geteuid() == 0) words.push_back("--allow-run-as-root");  // as containers do; kerf is no setuid program
+  words.push_back(unknown ? argv[0] : program.c_str());
   for (char** word = argv + 1; *word; ++word) words.push_back(*word);
   words.push_back(nullptr);
   launcher = fork();
@@ -440,17 +534,54 @@ int run_by_mpiexec(int count, char** argv) {
   return code;
 }
 
+void Processes::require() {
+  require_module();
+}
+
 int Processes::start() {
   if (rank_ >= 0) return rank_;
   require_module();
+  // Of Slurm, where PETSc was asked for: one process of an srun whose MPI it does not know would be as good as alone.
+  Counted by = by_launcher();
+  if (!by.name && !std::getenv("PMIX_RANK")) by = counted_by({"SLURM_STEP_NUM_TASKS"});
+  std::vector<const char*> words;
+  for (const std::string& word : words_) words.push_back(word.c_str());
   int rank = 0;
-  if (const char* wrong = loaded().call->start(&rank, &count_)) throw Error(Fault::Usage, wrong);
+  if (const char* wrong = loaded().call->start(static_cast<int>(words.size()), words.data(), &rank, &count_))
+    throw Error(Fault::Usage, wrong);
   rank_ = rank;
-  need(loaded().call->options(defaults));
+  if (by.name && by.count != count_)
+    throw Error(Fault::Usage, fmt::format("a launcher started {} processes ({}), and MPI knows of {}: it is not the "
+                                          "launcher of the MPI that kerf uses; start kerf by the mpiexec of that one, "
+                                          "or by srun --mpi=pmix",
+                                          by.count, by.name, count_));
   return rank_;
 }
 
-void Processes::serve(const std::function<void(std::string_view task, Peers&)>& with) {
+void Processes::take_words(std::vector<std::string> words) {
+  if (!words.empty() && !(words[0].size() > 1 && words[0][0] == '-' && std::isalpha(words[0][1])))
+    throw Error(Fault::Usage, fmt::format("{} behind -- is no option of PETSc, which begins with a dash and a letter",
+                                          quote(words[0])));
+  words_ = std::move(words);
+}
+
+bool Processes::by_kerf() const {
+  return loaded().call->by_kerf() != 0;
+}
+
+void Processes::end_what_waits(const std::string& words) const {
+  if (at_work_ && count_ > 1) end_all(0, words, Fault::Numerics);
+}
+
+void Processes::refuse_unused_options() const {
+  refuse_unused(options_, "solver.petsc");
+  std::string words;
+  for (const std::string& word : words_) words += word + " ";
+  refuse_unused(words, "the words behind --");
+}
+
+void Processes::serve(const std::function<void(std::string_view task, Peers&)>& with,
+                      const std::function<std::optional<std::string>()>& why) {
   const KerfPetsc& call = *loaded().call;
   std::map<int, std::unique_ptr<Share>> shares;
   const auto next = [&call] {
@@ -465,33 +596,35 @@ void Processes::serve(const std::function<void(std::string_view task, Peers&)>& 
     std::memcpy(&name, bytes.data() + 1, sizeof name);
     bytes.erase(0, 1 + sizeof name);
     if (what == Order::Options) {
-      options_ = bytes;
-      need(call.options(bytes.c_str()));
+      need(rank_, call.options(bytes.c_str()));
     }
     if (what == Order::Make) {
       std::array<int, 2> sizes{};
       std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
-      shares[name] = std::make_unique<Share>(next(), sizes[0], sizes[1], rank_, count_, !options_.empty());
+      shares[name] = std::make_unique<Share>(next(), sizes[0], sizes[1], rank_, count_);
     }
     if (what == Order::Solve) solved(*shares.at(name), rank_, nullptr, nullptr, nullptr);  // the first one says so
     if (what == Order::Drop) shares.erase(name);
     if (what == Order::Task) {
-      MpiPeers peers(rank_, count_, !options_.empty());
+      MpiPeers peers(rank_, count_);
       with(next(), peers);
     }
     return what != Order::End;
   };
-  while (together(rank_, obey)) {
+  try {
+    while (together(rank_, obey)) {
+    }
+  } catch (const Stopped&) {
+    const std::optional<std::string> words = why ? why() : std::nullopt;
+    end_all(words ? 0 : rank_, words.value_or(fmt::format("process {} was stopped, and with it all others", rank_)),
+            Fault::Numerics);
   }
 }
 
 std::shared_ptr<Ranks> Processes::ranks(const std::string& options) {
-  if (started_processes() == 1) {
-    require_module();
-    return std::make_shared<Alone>();
-  }
   start();
   options_ = options;
+  if (count_ == 1) return std::make_shared<Alone>();
   return std::make_shared<MpiRanks>(count_, options);
 }
 
@@ -501,13 +634,16 @@ void Processes::work(const std::string& task, const std::function<void(Peers&)>&
     loaded().call->send(p, head.data(), head.size());
     loaded().call->send(p, task.data(), task.size());
   }
-  MpiPeers peers(rank_, count_, !options_.empty());
+  MpiPeers peers(rank_, count_);
+  at_work_ = true;
   together(rank_, [&] { own(peers); });
-  refuse_unused(options_);
+  at_work_ = false;
+  refuse_unused_options();
 }
 
 Processes::~Processes() {
   if (rank_ < 0) return;
+  if (at_work_ && count_ > 1) loaded().call->abort(static_cast<int>(Fault::Numerics));
   if (rank_ == 0) {
     const std::string end = order(Order::End, 0);
     for (int p = 1; p < count_; ++p) loaded().call->send(p, end.data(), end.size());

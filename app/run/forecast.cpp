@@ -216,10 +216,10 @@ Forecast forecast(const Case& c, Job job, int threads) {
 }
 
 std::string in_words(const Forecast& f) {
-  return fmt::format("{}{:.0f} triangles, {} of memory{}, {}{}", f.exact ? "" : "about ",
+  return fmt::format("{}{:.0f} triangles, {} of memory{}, {}{}{}", f.exact ? "" : "about ",
                      f.exact ? f.triangles : std::round(f.triangles / 100) * 100, memory_words(f.memory_mb),
                      f.single ? " with the factor in single precision" : "", f.at_most ? "at most " : "",
-                     duration(f.seconds));
+                     duration(f.seconds), f.by_one ? " by one process, and less for each of several" : "");
 }
 
 double available_memory_mb() {
@@ -258,10 +258,14 @@ std::optional<Forecast> forecast_where_needed(const Case& c, Job job, int thread
   asked = asked || limits.memory_mb || limits.seconds;
   if (c.backend == Backend::Petsc) {
     if (!asked) return std::nullopt;
-    throw Error(Fault::Usage,
-                fmt::format("{}: what backend = \"petsc\" takes is not known beforehand; leave --dry-run, "
-                            "--max-memory and --max-seconds out",
-                            place_of(c, "solver.backend")));
+    Case alone = c;
+    alone.backend = Backend::Cholmod;
+    alone.petsc.clear();
+    Forecast f = forecast(alone, job, threads);
+    f.by_one = true;
+    // Several processes take about as much memory together, and how much less time nobody knows: the run is watched.
+    if (limits.memory_mb) refuse_larger(f, {limits.memory_mb, std::nullopt}, c);
+    return f;
   }
   const bool validates = job == Job::Validate || (job == Job::Run && c.validate);
   const double rough = rough_triangles(c);

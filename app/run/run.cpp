@@ -149,17 +149,17 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
 void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processes) {
   if (c.backend != Backend::Petsc) {
     if (jobs.optimize && has_starts_to_share(c)) return;
-    if (started_processes() > 1 && processes && jobs.optimize)
+    if (processes && processes->count() > 1 && jobs.optimize)
       throw Error(
           Fault::Usage,
           fmt::format("mpiexec started {} processes, which share no more of an optimization than the starts of a "
                       "method by NLopt without readings: with such a method set optimize.starts to 2 or more, "
                       "else start kerf as one process",
-                      started_processes()));
-    if (started_processes() > 1 && processes)
+                      processes->count()));
+    if (processes && processes->count() > 1)
       throw Error(Fault::Usage, fmt::format("mpiexec started {} processes, and backend = \"{}\" uses one; set "
                                             "solver.backend = \"petsc\", or start kerf without mpiexec",
-                                            started_processes(), backend_words[static_cast<std::size_t>(c.backend)]));
+                                            processes->count(), backend_words[static_cast<std::size_t>(c.backend)]));
     return;
   }
   const std::string place = place_of(c, "solver.backend");
@@ -487,8 +487,8 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
 }
 
 /// Whether each process divides its own part of the mesh, which none has as a whole.
-bool is_in_parts(const Case& c) {
-  return c.divisions > 0 && c.backend == Backend::Petsc && started_processes() > 1;
+bool is_in_parts(const Case& c, const Processes* processes) {
+  return c.divisions > 0 && c.backend == Backend::Petsc && processes && processes->count() > 1;
 }
 void refuse_in_parts(const Case& c) {
   if (c.optimize && !c.optimize->load_cases.empty())
@@ -571,7 +571,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     given = with_data(std::move(given), journal.options);
   }
   journal.seconds.solve += journal.lap();
-  if (is_in_parts(read)) {
+  if (is_in_parts(read, journal.options.processes)) {
     refuse_in_parts(read);
     const CoarseCopy copy = solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
     end(read, copy.adapted, copy.data, journal, r);

@@ -130,7 +130,7 @@ void check(const Arguments& arguments) {
 
 int perform(int argc, char** argv) {
   Processes processes;
-  if (started_processes() > 1 && processes.start() > 0) {
+  if (is_launched() && processes.start() > 0) {
     processes.serve();
     return 0;
   }
@@ -141,7 +141,7 @@ int perform(int argc, char** argv) {
     return 0;
   }
   check(*arguments);
-  if (started_processes() > 1 && arguments->name != "machines")
+  if (processes.count() > 1 && arguments->name != "machines")
     throw Error(Fault::Usage,
                 fmt::format("kerf bench {} runs on one process; start it without mpiexec", arguments->name));
   BenchOptions options = arguments->options;

@@ -234,10 +234,10 @@ bool MachineRow::met() const {
 MachineBench run_machine_bench(const BenchOptions& options, Processes& processes) {
   make_folder(options.folder);
   MachineBench bench{.rows = {}, .notes = {}, .quick = options.quick};
-  if (started_processes() > 1) {
+  if (processes.count() > 1) {
     run_here(options, processes, bench);
   } else {
-    processes.ranks({});  // says what is missing before anything is started
+    processes.require();  // says what is missing before anything is started
     for (const int parts : options.quick ? std::vector<int>{4} : std::vector<int>(all_parts.begin(), all_parts.end())) {
       if (stop_asked(options)) break;
       if (options.on_phase) options.on_phase(fmt::format("{} parts", parts));

@@ -440,13 +440,13 @@ constexpr Key rows[] = {
     {"solver.petsc",
      Text,
      {},
-     "With backend = \"petsc\": options of PETSc's solvers, as on a command line, whose BDDC then solves in place of "
-     "kerf's "
-     "own: -ksp_*, -pc_*, -sub_*, -mg_levels_*, -mg_coarse_*, -mat_mumps_icntl_*, -mat_mumps_cntl_* with numbers and "
-     "names, "
-     "-log_view, -options_left. What PETSc has no use for is an error.",
+     "With backend = \"petsc\": options of PETSc's KSP, which drives all solves in parts, as on a command line: -ksp_*, "
+     "-pc_*, -sub_*, -mg_levels_*, -mg_coarse_*, -mat_mumps_icntl_*, -mat_mumps_cntl_* with numbers and names, "
+     "-log_view, -options_left. -pc_type: kerf, its own BDDC on what parts share; bddc and nn, PETSc's on the system of "
+     "the parts; or any that takes one sparse matrix, such as cholesky (MUMPS) or gamg. Options behind -- on the command "
+     "line and in PETSC_OPTIONS go before these. What PETSc has no use for is an error.",
      "\"-ksp_rtol 1e-12 -ksp_monitor\"",
-     "kerf's own BDDC, conjugate gradients to 1e-10 of the energy"},
+     "-ksp_type cg -pc_type kerf, to 1e-10 of the energy"},
 
     {"functional", Table, {}, "The number of interest, J: what a map differentiates and an optimization makes small."},
     {"functional.kind",

@@ -326,6 +326,13 @@ void add_times(std::string& out, const Result& result) {
   for (const TimedPhase& phase : timed_phases)
     if (s.*phase.of > 0) items.push_back(fmt::format("{} {:.3f}", phase.name, s.*phase.of));
   add(out, "time", items);
+  if (const auto& parts = result.solver; parts && parts->parts > 1) {
+    add(out, "parts",
+        {fmt::format("{} processes", parts->parts), fmt::format("{} solves", parts->solves),
+         fmt::format("at most {} iterations", parts->iterations),
+         fmt::format("peaks {:.1f} MB of the first, {:.1f} MB of the others", parts->first_mb, parts->others_mb)});
+    return;
+  }
   if (result.peak_memory_mb > 0) add(out, "memory", {fmt::format("peak {:.1f} MB", result.peak_memory_mb)});
 }
 

@@ -23,18 +23,6 @@ namespace kerf {
 
 namespace {
 
-/// K x, with what the strains theta of the penalty add [theory: E.12].
-Eigen::VectorXd forces_of(const Model& m, const Twofold& x, const Eigen::VectorXd& theta) {
-  Eigen::VectorXd forces = multiply_elementwise(m, x).forces;
-  for (Index t = 0; t < static_cast<Index>(theta.size()); ++t) {
-    const Seen view = seen(m.mesh, m.inner->skeleton, t);
-    for (int i = 0; i < view.count; ++i)
-      for (const Index u : {view.base[i], view.jump[i]})
-        if (u != none) forces[u] += theta[t] * m.inner->system.traces(i, t);
-  }
-  return forces;
-}
-
 /// The interiors of a field: find(triangle, its shape, what strains it, Penalty).
 template <typename Find>
 void fill_interior(const Model& m, const Twofold& x, const Eigen::VectorXd& theta, const Find& find, Field& field) {
@@ -57,32 +45,32 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
   const Skeleton& s = model.inner->skeleton;
   const bool penalized = model.inner->system.penalty > 0 && !problem.one_sweep;
   const Loads loads{.F = {}, .own = problem.own, .prescribed = {}};
-  const auto held = [&](Index u) {
+  const auto is_held = [&](Index u) {
     return !contact_of.empty() && contact_of[u] != none && problem.held[contact_of[u]];
   };
   hold(problem.held);
   Round at{.x = {Eigen::VectorXd::Zero(s.total), Eigen::VectorXd::Zero(s.total)}};
   if (penalized) at.theta.setZero(static_cast<Eigen::Index>(model.mesh.triangles.size()));
   for (Index u = 0; u < s.total; ++u)
-    if (held(u)) at.x.high[u] = problem.jump[contact_of[u]];
+    if (is_held(u)) at.x.high[u] = problem.jump[contact_of[u]];
   const auto largest = [&](const Eigen::VectorXd& force) {
     double most = 0;
     for (Index u = 0; u < s.total; ++u)
-      if (owns(model, u) && now.order.row[u] != none) most = std::max(most, std::abs(force[u]));
+      if (owns(model, u) && moves(u)) most = std::max(most, std::abs(force[u]));
     peers.largest({&most, 1});
     return most;
   };
-  at.unmet = forces_of(model, at.x, at.theta) - problem.load;
+  at.unmet = forces_of(at.x, at.theta) - problem.load;
   const double size = std::max({largest(problem.load), largest(at.unmet), std::numeric_limits<double>::min()});
   Round best = at;
   best.certificate.kkt = infinity;
   const int most = penalized ? 40 : 4;
   int without_gain = 0;
   for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
-    move(now.solver->solve(on_own_rows(-at.unmet)), at.x);
+    settle(-at.unmet, at.x);
     ++field.linear_solves;
     if (penalized) step_theta(loads, at, field.linear_solves, false);
-    at.unmet = forces_of(model, at.x, at.theta) - problem.load;
+    at.unmet = forces_of(at.x, at.theta) - problem.load;
     at.certificate.kkt = std::max(largest(at.unmet) / size, at.penalty_error);
     const bool gains = at.certificate.kkt < 0.5 * best.certificate.kkt;
     if (at.certificate.kkt < best.certificate.kkt) best = at;

@@ -7,6 +7,9 @@
 #include "solver/system/elementwise.hpp"
 #include "solver/system/penalty.hpp"
 
+#include <map>
+#include <optional>
+
 namespace kerf {
 
 /// The system of all processes for one set of rows in contact that are held; those that move are rows as all others.
@@ -15,14 +18,21 @@ struct HeldSystem {
   Ordering order;
   std::vector<Index> holder;        // per unknown who answers for its row
   std::vector<Index> own_unknowns;  // of own rows, in their order
+  Index total = 0;                  // rows of all
   std::unique_ptr<SharedSolver> solver;
   Index own_rows() const {
     return static_cast<Index>(own_unknowns.size());
   }
 };
 
-/// All processes call these functions together, in the same order, but for those that talk to nobody: on_own_rows,
-/// jump_at, unmet, force_of_rounding, effort, drop_factor, leading_rows.
+/// A row in contact that does not do what the system was made for [theory: E.38]: one that moves and was held, by a
+/// unit jump of it, or one that is held and moved, by a unit force on it.
+struct ExchangedRow {
+  Eigen::VectorXd own;                              // the response, per unknown that is owned here
+  Eigen::VectorXd jumps, forces;                    // of it, per row in contact of all
+  std::vector<std::pair<Index, double>> stiffness;  // of a row that was held: forces of a unit jump of it alone
+};
+
 struct SharedBody::Impl {
   Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
        const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole);
@@ -36,10 +46,24 @@ struct SharedBody::Impl {
 
   // The system [theory: E.34].
 
-  /// Makes the system in which these rows in contact are held, unless it is there.
-  void hold(const std::vector<bool>& held);
+  /// From now on these rows in contact are held: by the system that there is and what is exchanged about it, or, where
+  /// that is too much, by a system of their own (shared_contact.cpp).
+  void hold(const std::vector<bool>& rows);
+  void make_system(const std::vector<bool>& rows);
+  ExchangedRow exchange(Index row);
+  /// Rows of which the system holds another set.
+  std::vector<Index> exchanged_rows(const std::vector<bool>& rows) const;
+  /// Moves x by what these forces per unknown do; rows that are held stay where they are.
+  void settle(const Eigen::VectorXd& forces, Twofold& x);
+  /// Of what is owned here.
+  double work(const Eigen::VectorXd& forces, const Eigen::VectorXd& x);
+  bool moves(Index unknown) const {
+    const Index row = contact_of.empty() ? none : contact_of[static_cast<std::size_t>(unknown)];
+    return row == none ? now.order.row[static_cast<std::size_t>(unknown)] != none
+                       : !held[static_cast<std::size_t>(row)];
+  }
   void drop_factor();
-  PartedEffort effort() const;
+  SharedEffort effort() const;
 
   /// The values that their holders have, on all who see them. `where`: per triangle the places of what it tells.
   template <typename Where>
@@ -64,7 +88,8 @@ struct SharedBody::Impl {
 
   /// Moves x by what own rows do, as all see it.
   void move(const Eigen::VectorXd& own, Twofold& x);
-  Eigen::VectorXd unmet(const Twofold& x, const Eigen::VectorXd& theta) const;
+  /// K x, with what the strains theta of the penalty add [theory: E.12]: by the matrices of triangles, kept.
+  Eigen::VectorXd forces_of(const Twofold& x, const Eigen::VectorXd& theta);
 
   /// What one round is judged by.
   struct Round {
@@ -133,11 +158,15 @@ struct SharedBody::Impl {
   std::vector<Index> process;                        // per triangle
   Model model;
   Precision precision = Precision::Double;  // of the factors of the insides
+  std::optional<Elementwise> products = {};
+  Eigen::VectorXd applied = {};  // per unknown, what loads are there; after `judge`
   HeldSystem now = {};
-  PartedEffort effort_before = {};        // of the systems before
-  Index unknowns = 0;                     // of the body
-  std::vector<ContactPoint> points = {};  // of all
-  std::vector<Index> own_contact = {};    // unknowns of own rows in contact, which begin at first_contact
+  std::vector<bool> held = {};                   // per row in contact of all
+  std::map<Index, ExchangedRow> exchanged = {};  // about `now`, by row
+  SharedEffort effort_before = {};               // of the systems before
+  Index unknowns = 0;                            // of the body
+  std::vector<ContactPoint> points = {};         // of all
+  std::vector<Index> own_contact = {};           // unknowns of own rows in contact, which begin at first_contact
   Index first_contact = 0, contact_rows = 0;
   std::vector<Index> contact_of = {};  // per unknown its row in contact of all
   Eigen::VectorXd gaps = {};           // per row in contact of all its jump at first contact

@@ -31,8 +31,13 @@ namespace kerf {
 
 // The bytes go before the factor comes: a part has a place once.
 std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads, Precision precision) {
-  RankPart part = condensed_part(packed);
-  std::string().swap(packed);
+  RankPart part;
+  {
+    const LoggedWork logged(*this, PartsWork::Assembly);
+    part = condensed_part(packed);
+    std::string().swap(packed);
+  }
+  const LoggedWork logged(*this, PartsWork::SetUp);
   return bddc(std::move(part), *this, threads, precision);
 }
 
@@ -136,16 +141,16 @@ void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
 
 // Numbers of rows: those of process 0 first, each process's in the order of its unknowns; neighbors learn them from
 // those who answer. Held rows have no number, so that a new set is a new system.
-void SharedBody::Impl::hold(const std::vector<bool>& held) {
-  if (now.solver && now.held == held) return;
+void SharedBody::Impl::make_system(const std::vector<bool>& rows) {
   effort_before = effort();
-  now = {.held = held};
+  exchanged.clear();
+  now = {.held = rows};
   return_freed_memory();  // of the system before: one has a place at a time
   const Inner& inner = *model.inner;
   const Skeleton& s = inner.skeleton;
   std::vector<bool> held_unknown(static_cast<std::size_t>(s.total), false);
   for (Index u = s.base; u < s.total && contact_rows > 0; ++u)
-    held_unknown[u] = contact_of[u] != none && held[contact_of[u]];
+    held_unknown[u] = contact_of[u] != none && rows[contact_of[u]];
   now.order = as_numbered(s, &held_unknown);
   now.holder = holders(model.mesh, s, now.order, process);
   for (Index u = 0; u < s.total; ++u)
@@ -157,6 +162,7 @@ void SharedBody::Impl::hold(const std::vector<bool>& held) {
     if (p < peers.here()) first += counts[static_cast<std::size_t>(p)];
     total += counts[static_cast<std::size_t>(p)];
   }
+  now.total = total;
   Eigen::VectorXd at = Eigen::VectorXd::Constant(s.total, none);
   for (Index i = 0; i < now.own_rows(); ++i) at[now.own_unknowns[i]] = static_cast<double>(first + i);
   spread(at, now.holder, [&](Index t) { return places(model, now.order, t); });
@@ -172,14 +178,16 @@ void SharedBody::Impl::hold(const std::vector<bool>& held) {
 }
 
 // Each set of held rows has a solver of its own; their counts add up, the largest values stand.
-PartedEffort SharedBody::Impl::effort() const {
+SharedEffort SharedBody::Impl::effort() const {
   if (!now.solver) return effort_before;
-  PartedEffort e = now.solver->effort();
+  SharedEffort e = now.solver->effort();
   e.solves += effort_before.solves;
   e.iterations = std::max(e.iterations, effort_before.iterations);
   e.condition = std::max(e.condition, effort_before.condition);
   e.sent = std::max(e.sent, effort_before.sent);
   e.seconds += effort_before.seconds;
+  e.unfinished += effort_before.unfinished;
+  if (e.ended.empty()) e.ended = effort_before.ended;
   return e;
 }
 
@@ -321,13 +329,6 @@ void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
 }
 
 // K x - F from the stresses, triangle by triangle. On unknowns of others it lacks the triangles that are not here.
-Eigen::VectorXd SharedBody::Impl::unmet(const Twofold& x, const Eigen::VectorXd& theta) const {
-  Field field;
-  const Balance balance = recover_interior(model, x, theta, field);
-  return balance.forces - balance.loads;
-}
-
-// No process has the diagonal of K, which one process takes (solve.cpp): 50 mu stands in.
 double SharedBody::Impl::force_of_rounding(double largest) const {
   constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
   double mu = 0;
@@ -341,7 +342,8 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   const Skeleton& s = model.inner->skeleton;
   const Ordering& o = model.inner->ordering;
   const Balance balance = recover_interior(model, r.x, r.theta, field);
-  r.unmet = balance.forces - balance.loads;
+  applied = balance.loads;
+  r.unmet = balance.forces - applied;
   double load = std::numeric_limits<double>::min(), residual = 0, work = 0, given = 0;
   for (Index u = 0; u < s.total; ++u) {
     if (!owns(model, u)) continue;
@@ -390,11 +392,12 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
 void SharedBody::Impl::correct(Round& r, State& state) {
   if (contact_rows == 0) {
     hold({});
-    move(now.solver->solve(on_own_rows(-r.unmet)), r.x);
+    settle(-r.unmet, r.x);
     ++state.linear_solves;
     return;
   }
   const Skeleton& s = model.inner->skeleton;
+  const LoggedWork logged(peers, PartsWork::Contact);
   bool changed = false;  // x, since unmet
   const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
     // All take the decisions of the first process.
@@ -403,18 +406,18 @@ void SharedBody::Impl::correct(Round& r, State& state) {
     agree(peers, motion, force);
     hold(held_by(motion, contact_rows));
     for (Index u = s.base; u < s.total; ++u)
-      if (contact_of[u] != none && now.held[contact_of[u]] && (r.x.high[u] != s.prescribed[u] || r.x.low[u] != 0)) {
+      if (contact_of[u] != none && held[contact_of[u]] && (r.x.high[u] != s.prescribed[u] || r.x.low[u] != 0)) {
         r.x.high[u] = s.prescribed[u];
         r.x.low[u] = 0;
         changed = true;
       }
-    if (sum(peers, changed ? 1 : 0) > 0) r.unmet = unmet(r.x, r.theta);
+    if (sum(peers, changed ? 1 : 0) > 0) r.unmet = forces_of(r.x, r.theta) - applied;
     Eigen::VectorXd rest = -r.unmet;
     for (Index u = s.base; u < s.total; ++u)
-      if (contact_of[u] != none && !now.held[contact_of[u]]) rest[u] += force[contact_of[u]];
-    move(now.solver->solve(on_own_rows(rest)), r.x);
+      if (contact_of[u] != none && !held[contact_of[u]]) rest[u] += force[contact_of[u]];
+    settle(rest, r.x);
     ++state.linear_solves;
-    r.unmet = unmet(r.x, r.theta);
+    r.unmet = forces_of(r.x, r.theta) - applied;
     changed = false;
     return {on_contact(r.x.high) - gaps, on_contact(r.unmet)};
   };
@@ -435,12 +438,12 @@ Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
 
 // As UniformPressure::prepare, per unknown instead of per row: the responses of all unknowns seen here are kept.
 void SharedBody::Impl::find_responses(int& solves) {
-  if (uniform.response.size() > 0 && uniform.held == now.held) return;
+  if (uniform.response.size() > 0 && uniform.held == held) return;
   const Skeleton& s = model.inner->skeleton;
   const Eigen::MatrixXd& traces = model.inner->system.traces;
   const Eigen::Index count = uniform.size.size(), rows = traces.rows() - 2;
   const auto triangles = static_cast<Index>(piece.size());
-  uniform.held = now.held;
+  uniform.held = held;
   uniform.response.setZero(s.total, count);
   uniform.stiffness.resize(count, count);
   for (Index k = 0; k < static_cast<Index>(count); ++k) {
@@ -453,7 +456,7 @@ void SharedBody::Impl::find_responses(int& solves) {
         for (const Index u : {view.base[i], view.jump[i]})
           if (u != none) force[u] -= penalty_at(model, t) * traces(i, t);
     }
-    move(now.solver->solve(on_own_rows(force)), x);
+    settle(force, x);
     ++solves;
     for (Index t = 0; t < triangles; ++t) {
       const auto column = traces.col(t);
@@ -550,8 +553,10 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   if (!best_is_last) judge(loads, best, state);
   if (penalized && uniform.level_open && contact_rows > 0) throw Error(Fault::Numerics, open_level);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
-  const Eigen::VectorXd rest = on_own_rows(best.unmet - state.force);
-  const double error = std::abs(sum(peers, rest.dot(now.solver->solve(rest))));
+  const Eigen::VectorXd rest = best.unmet - state.force;
+  Twofold answer{Eigen::VectorXd::Zero(rest.size()), Eigen::VectorXd::Zero(rest.size())};
+  settle(rest, answer);
+  const double error = std::abs(work(rest, answer.high));
   state.certificate = best.certificate;
   if (best.size > 0) state.certificate.work = std::max(state.certificate.work, std::sqrt(error / best.size));
   state.skeleton = std::move(best.x.high);
@@ -570,6 +575,8 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
 void SharedBody::Impl::drop_factor() {
   effort_before = effort();
   now.solver.reset();  // the most memory of all
+  exchanged.clear();
+  products.reset();
 }
 
 SharedBody::SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
@@ -601,7 +608,7 @@ Eigen::VectorXd SharedBody::solve_open(const Eigen::VectorXd& forces) {
 void SharedBody::drop_factor() {
   impl_->drop_factor();
 }
-PartedEffort SharedBody::effort() const {
+SharedEffort SharedBody::effort() const {
   return impl_->effort();
 }
 

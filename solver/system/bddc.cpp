@@ -103,8 +103,7 @@ class Bddc : public SharedSolver {
         rows_(part.rows),
         own_(rows_owned(part)),
         inside_(part, interface_.rows, threads, precision, given_),
-        S_(std::move(given_)),
-        gradients_(peers, counted()) {
+        S_(std::move(given_)) {
     effort_.parts = static_cast<int>(peers.count());
     share_pieces();
     set_primal();
@@ -112,6 +111,11 @@ class Bddc : public SharedSolver {
     peers.sum(rows);
     effort_.interface_rows = static_cast<int>(rows[0]);
     effort_.primal = static_cast<int>(coarse_.size());
+    if (effort_.interface_rows > 0)
+      iteration_ = peers.iteration({.counted = counted(),
+                                    .multiply = [this](const VectorXd& x) { return multiply(x); },
+                                    .precondition = [this](const VectorXd& r) { return precondition(r); },
+                                    .primal = coarse_.size()});
   }
 
   /// b on own rows alone: each row counts once in the sum over the processes. Inside rows are eliminated before and
@@ -122,25 +126,22 @@ class Bddc : public SharedSolver {
     for (std::size_t i = 0; i < own_.size(); ++i) b[own_[i]] = own[static_cast<Eigen::Index>(i)];
     VectorXd y = inside_.forward(b), on_interface = y.tail(S_.size());
     add_sides(on_interface);
-    constexpr double tolerance = 1e-10, enough = 1e-4;  // the rounds of the state go on from there
-    constexpr int most = 500;
     sent_ = 0;
-    const SharedGradients::Solved solved =
-        gradients_.solve([&](const VectorXd& x) { return multiply(x); },
-                         [&](const VectorXd& r) { return precondition(r); }, on_interface, tolerance, enough, most);
+    const SharedSolved solved = iteration_ ? iteration_->solve(on_interface) : SharedSolved{.x = on_interface};
     y.tail(S_.size()) = solved.x;
     const VectorXd x = inside_.backward(std::move(y));
     tell(solved, watch.lap());
-    if (!(solved.left <= enough))
+    if (solved.failed)
       throw Error(Fault::Numerics,
-                  fmt::format("conjugate gradients do not converge on {} parts ({} iterations, {:.1e} of the error is "
+                  fmt::format("the iteration does not converge on {} parts ({}{} iterations, {:.1e} of the error is "
                               "left); use fewer processes or backend = \"cholmod\"",
-                              effort_.parts, solved.iterations, solved.left));
+                              effort_.parts, solved.ended.empty() ? "" : solved.ended + " after ", solved.iterations,
+                              solved.left));
     VectorXd found(own.size());
     for (std::size_t i = 0; i < own_.size(); ++i) found[static_cast<Eigen::Index>(i)] = x[own_[i]];
     return found;
   }
-  PartedEffort effort() const override {
+  SharedEffort effort() const override {
     return effort_;
   }
 
@@ -304,6 +305,7 @@ class Bddc : public SharedSolver {
     sent_ += static_cast<double>(values.size()) * sizeof(double);
   }
   VectorXd multiply(const VectorXd& x) {
+    check_stop();
     VectorXd y = S_.multiply(x);
     add_sides(y);
     return y;
@@ -323,6 +325,7 @@ class Bddc : public SharedSolver {
   /// Weights of both sides add up to the identity: D_p + D_q = (S_p + S_q)(S_p + S_q)^-1 on a piece. The moments u
   /// solve the small problem; z gets V G^-1 (u - V'f) on top of S^^-1 f (E.36).
   VectorXd precondition(const VectorXd& r) {
+    const LoggedWork logged(peers_, PartsWork::Apply);
     VectorXd f = r;
     on_pieces(f, [&](const Side& s, const Border& piece, const VectorXd& of) {
       return times_here(piece, kerf::solve(s.both, of));
@@ -343,10 +346,14 @@ class Bddc : public SharedSolver {
   }
 
   /// Times and memory are the largest of all processes; the first one's peak is told apart.
-  void tell(const SharedGradients::Solved& solved, double seconds) {
+  void tell(const SharedSolved& solved, double seconds) {
     std::array<double, 3> most{sent_ / std::max(1, solved.iterations), seconds, peers_.here() == 0 ? 0 : peak_mb()};
     peers_.largest(most);
     ++effort_.solves;
+    if (!solved.ended.empty()) {
+      ++effort_.unfinished;
+      effort_.ended = solved.ended;
+    }
     effort_.iterations = std::max(effort_.iterations, solved.iterations);
     effort_.condition = std::max(effort_.condition, solved.condition);
     effort_.sent = std::max(effort_.sent, most[0]);
@@ -363,13 +370,13 @@ class Bddc : public SharedSolver {
   MatrixXd given_;          // S, on its way to S_
   Inside inside_;
   Complement S_;
-  SharedGradients gradients_;
   std::vector<Side> sides_;       // per piece
   MatrixXd moved_;                // by forces on the moments, a column each, all moments held softly
   Eigen::LLT<MatrixXd> moments_;  // of these
   Coarse coarse_;
+  std::unique_ptr<SharedIteration> iteration_;  // nothing where nothing is shared
   double sent_ = 0;
-  PartedEffort effort_;
+  SharedEffort effort_;
 };
 
 }  // namespace

@@ -49,11 +49,14 @@ void SharedGradients::keep(const VectorXd& p, const VectorXd& Ap, double size) {
 
 // A start from the kept directions, x = P P'b with P'A P = I, is the solution on their span. r.z estimates the squared
 // error in the norm of the energy. Directions of steps in which rounding let nothing shrink are dropped again.
-SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& preconditioner, const VectorXd& b,
-                                               double tolerance, double enough, int most) {
+std::unique_ptr<SharedIteration> Peers::iteration(SharedSystem system) {
+  return std::make_unique<SharedGradients>(*this, std::move(system));
+}
+
+SharedSolved SharedGradients::solve(const VectorXd& b) {
   constexpr Eigen::Index most_kept = 128;  // between solves
   if (count_ > most_kept) count_ = 0;
-  Solved s{.x = VectorXd::Zero(b.size())};
+  SharedSolved s{.x = VectorXd::Zero(b.size())};
   VectorXd r = b, shares = p_.leftCols(count_).transpose() * counted_.cwiseProduct(b);
   peers_.sum({shares.data(), static_cast<std::size_t>(count_)});
   s.x += p_.leftCols(count_) * shares;
@@ -67,7 +70,7 @@ SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& precondi
   std::size_t useful = 0;
   while (true) {
     check_stop();
-    VectorXd z = preconditioner(r);
+    VectorXd z = system_.precondition(r);
     shares.resize(count_ + 1);
     shares.head(count_) = Ap_.leftCols(count_).transpose() * counted_.cwiseProduct(z);
     shares[count_] = counted_.cwiseProduct(r).dot(z);
@@ -82,7 +85,7 @@ SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& precondi
     VectorXd again = Ap_.leftCols(count_).transpose() * counted_.cwiseProduct(p);  // for rounding
     peers_.sum({again.data(), static_cast<std::size_t>(count_)});
     p -= p_.leftCols(count_) * again;
-    const VectorXd Ap = A(p);
+    const VectorXd Ap = system_.multiply(p);
     std::array<double, 2> products{counted_.cwiseProduct(p).dot(Ap), counted_.cwiseProduct(p).dot(r)};
     peers_.sum(products);
     if (!(products[0] > 0)) break;
@@ -100,6 +103,7 @@ SharedGradients::Solved SharedGradients::solve(const Map& A, const Map& precondi
     alpha.resize(useful);
   }
   s.condition = condition_of(alpha, beta);
+  s.failed = !(s.left <= enough);
   return s;
 }
 

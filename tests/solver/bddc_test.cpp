@@ -285,7 +285,7 @@ TEST(Bddc, ComplementIsMatrixAndFactorInOne) {
 TEST(Bddc, GradientsBeginWithWhatTheyKnow) {
   const MatrixXd A = definite_matrix(40, 3);
   test::on_peers(1, [&](Peers& peers) {
-    SharedGradients g(peers, VectorXd::Ones(40));
+    SharedGradients g(peers, {VectorXd::Ones(40), times, same});
     const auto times = [&](const VectorXd& x) -> VectorXd { return A * x; };
     const auto same = [](const VectorXd& r) { return r; };
     const VectorXd b = VectorXd::Random(40);
