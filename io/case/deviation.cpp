@@ -19,7 +19,7 @@ namespace {
 
 using Kind = SyntaxNode::Kind;
 
-double sign(double v) {
+double sign_of(double v) {
   return v > 0 ? 1 : v < 0 ? -1 : 0;
 }
 
@@ -107,7 +107,7 @@ class ModelOverBox {
       case Breaking::Abs:
         return with_.absolute(last);
       case Breaking::Sign:
-        return with_.range({sign(c.low), sign(c.high)});
+        return with_.range({sign_of(c.low), sign_of(c.high)});
       case Breaking::Rint:
         return with_.range(is_bounded(c) ? Interval{std::rint(c.low), std::rint(c.high)} : whole_line);
       case Breaking::Angle:

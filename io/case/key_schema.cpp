@@ -100,7 +100,7 @@ Json alternative(const Key& key, KeyType type) {
       return list_of(text);
     case Pair:
       return pair_of(number);
-    case Points: {
+    case PointList: {
       const std::string entry = std::string(key.path) + "[]";
       const Json point = pair_of(number);
       return list_of(keys_in(entry).empty() ? point : Json{{"anyOf", {point, object_of(entry)}}});

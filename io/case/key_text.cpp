@@ -31,7 +31,7 @@ constexpr std::pair<KeyType, View> type_words[] = {{Table, "table"},
                                                    {Name, "name of letters, digits, _ . or -"},
                                                    {Names, "list of texts"},
                                                    {Pair, "[number, number]"},
-                                                   {Points, "[[x, y], ...]"},
+                                                   {PointList, "[[x, y], ...]"},
                                                    {Numbers, "list of numbers"},
                                                    {Formula, "number or expression"},
                                                    {Vector, "pair of numbers or expressions"},
@@ -148,7 +148,7 @@ void list_keys(View table, const std::string& prefix, std::vector<Listed>& out) 
     out.push_back({&key, called});
     if (!has(key.type, Tables)) list_keys(key.path, called + ".", out);
     const std::string entry = std::string(key.path) + "[]";
-    if (has(key.type, Points)) list_keys(entry, called + "[].", out);
+    if (has(key.type, PointList)) list_keys(entry, called + "[].", out);
     if (has(key.type, Tables) && !key.rules.like.empty()) list_keys(key.path, called + "[].", out);
   }
 }
@@ -202,7 +202,7 @@ std::string about(const Key& key, const std::string& path) {
   std::vector<Listed> keys;
   if (!key.rules.like.empty()) list_keys(key.rules.like, "", keys);
   list_keys(key.path, "", keys);
-  if (has(key.type, Points)) list_keys(std::string(key.path) + "[]", "", keys);
+  if (has(key.type, PointList)) list_keys(std::string(key.path) + "[]", "", keys);
   if (!keys.empty()) out += fmt::format("\n{}", as_list(keys, true));
   return out;
 }

@@ -60,7 +60,7 @@ constexpr Key rows[] = {
 
     {"domain", Table, {.required = true}, "The body: an outline with a label per edge."},
     {"domain.outline",
-     Points,
+     PointList,
      {.one_of = true},
      "Corners of a simple polygon, in order. An entry may be { arc_to = [x, y], center = [x, y] }: the edge that "
      "arrives there is an arc. Two entries make a disc.",
@@ -109,9 +109,9 @@ constexpr Key rows[] = {
     {"hole[].ellipse.center", Pair, {.required = true}, "Its center.", "[0, 0]"},
     {"hole[].ellipse.semi_axes", Pair, {.range = above_zero, .required = true}, "Its semi-axes.", "[2, 1]"},
     {"hole[].ellipse.angle_deg", Number, {}, "Angle of the first axis from the x axis.", "30", "0"},
-    {"hole[].polygon", Points, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
+    {"hole[].polygon", PointList, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
     {"hole[].outline",
-     Points,
+     PointList,
      {.one_of = true},
      "Its corners, in order, with arcs between them as in domain.outline.",
      "[[0, 0], { arc_to = [1, 0], center = [0.5, 0] }]"},
@@ -131,7 +131,7 @@ constexpr Key rows[] = {
      "crack without a form is the physical curve crack:<name> of domain.file."},
     {"crack[].name", Name, {.required = true}, "Names its files and its rows in results.", "\"c\""},
     {"crack[].path",
-     Points,
+     PointList,
      {.one_of = true},
      "A polyline inside the body. It may end on the outline, on a hole or on another crack (within 1e-6 of the body's "
      "size: a branch), and cross other cracks at 1 degree or more. Along sides of a region, from corner to corner, it "
@@ -249,9 +249,9 @@ constexpr Key rows[] = {
      {.one_of = true, .like = "hole[].ellipse"},
      "An ellipse.",
      "{ center = [1, 1], semi_axes = [0.2, 0.1] }"},
-    {"region[].polygon", Points, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
+    {"region[].polygon", PointList, {.one_of = true}, "Its corners, at least 3.", "[[0, 0], [1, 0], [0, 1]]"},
     {"region[].outline",
-     Points,
+     PointList,
      {.one_of = true},
      "Its corners, in order, with arcs between them as in domain.outline.",
      "[[0, 0], { arc_to = [1, 0], center = [0.5, 0] }]"},
@@ -440,10 +440,13 @@ constexpr Key rows[] = {
     {"solver.petsc",
      Text,
      {},
-     "With backend = \"petsc\": options of PETSc's KSP, which drives all solves in parts, as on a command line: -ksp_*, "
+     "With backend = \"petsc\": options of PETSc's KSP, which drives all solves in parts, as on a command line: "
+     "-ksp_*, "
      "-pc_*, -sub_*, -mg_levels_*, -mg_coarse_*, -mat_mumps_icntl_*, -mat_mumps_cntl_* with numbers and names, "
-     "-log_view, -options_left. -pc_type: kerf, its own BDDC on what parts share; bddc and nn, PETSc's on the system of "
-     "the parts; or any that takes one sparse matrix, such as cholesky (MUMPS) or gamg. Options behind -- on the command "
+     "-log_view, -options_left. -pc_type: kerf, its own BDDC on what parts share; bddc and nn, PETSc's on the system "
+     "of "
+     "the parts; or any that takes one sparse matrix, such as cholesky (MUMPS) or gamg. Options behind -- on the "
+     "command "
      "line and in PETSC_OPTIONS go before these. What PETSc has no use for is an error.",
      "\"-ksp_rtol 1e-12 -ksp_monitor\"",
      "-ksp_type cg -pc_type kerf, to 1e-10 of the energy"},
@@ -530,7 +533,7 @@ constexpr Key rows[] = {
      "Its Poisson's ratio.",
      "0.3"},
     {"map.perturbation.aspect", Number, {.range = {1, 100}, .one_of = true}, "Ratio of the axes of an ellipse.", "3"},
-    {"map.points", Points, {}, "Candidate points.", "[[0.5, 0.5]]", "everywhere in the body"},
+    {"map.points", PointList, {}, "Candidate points.", "[[0.5, 0.5]]", "everywhere in the body"},
     {"map.bounds",
      Boolean,
      {},
@@ -561,7 +564,7 @@ constexpr Key rows[] = {
 
     {"validate", Table, {}, "Is the map right? Holes of several radii are made at some points and compared with it."},
     {"validate.points",
-     Points,
+     PointList,
      {},
      "Where. The perturbation is that of [map], the mesh that of mesh.size. Not for peers, bdms-c and other elements "
      "with unknowns at vertices.",
@@ -582,7 +585,7 @@ constexpr Key rows[] = {
 
     {"probe[]", Tables, {}, "Points whose values go to probe_<name>.csv."},
     {"probe[].name", Name, {.required = true}, "Names the file.", "\"line\""},
-    {"probe[].points", Points, {.one_of = true}, "The points.", "[[0, 0.1], [0.5, 0.1]]"},
+    {"probe[].points", PointList, {.one_of = true}, "The points.", "[[0, 0.1], [0.5, 0.1]]"},
     {"probe[].from", Pair, {.one_of = true}, "Where a straight row of points begins.", "[0, 0.1]"},
     {"probe[].to", Pair, {.with = "from", .required = true}, "Where it ends.", "[1, 0.1]"},
     {"probe[].count",
@@ -615,7 +618,7 @@ constexpr Key rows[] = {
      "false",
      "true"},
     {"bounds.points",
-     Points,
+     PointList,
      {},
      "Stresses here, the von Mises stress, and T for a circular hole or inclusion: of energies, the compliance and "
      "misfits, also where cracks may be in contact, and of what is linear in the displacement where none may. Three "
@@ -895,7 +898,7 @@ constexpr Key rows[] = {
     {"optimize.hole[].start.semi_axes", Pair, {.with = "ellipse"}, "The semi-axes.", "[0.2, 0.1]"},
     {"optimize.hole[].start.angle_deg", Number, {.with = "ellipse"}, "The angle.", "10"},
     {"optimize.hole[].start.points",
-     Points,
+     PointList,
      {.with = "spline"},
      "All control points, instead of center and radius.",
      "[[0.3, 0.3], [0.7, 0.3], [0.7, 0.7], [0.3, 0.7]]"},
@@ -913,7 +916,7 @@ constexpr Key rows[] = {
      "As of [[optimize.hole]].",
      "{ path = [[0.3, 0.5], [0.7, 0.5]] }",
      "the middle of the boxes"},
-    {"optimize.crack[].start.path", Points, {.required = true}, "All its points.", "[[0.3, 0.5], [0.7, 0.5]]"},
+    {"optimize.crack[].start.path", PointList, {.required = true}, "All its points.", "[[0.3, 0.5], [0.7, 0.5]]"},
     {"optimize.region[]", Tables, {.with = methods_of_drawn}, "An inclusion that is moved."},
     {"optimize.region[].name", Name, {}, "In messages and tables.", "\"r\"", "region_1, ..."},
     {"optimize.region[].circle",

@@ -13,22 +13,22 @@ namespace kerf {
 
 /// What stands behind a key; `a | b` is either.
 enum class KeyType : unsigned {
-  Table = 1,          // [key] or { ... }
-  Tables = 1 << 1,    // [[key]], or a list of { ... }; the path ends in []
-  Boolean = 1 << 2,   //
-  Whole = 1 << 3,     // a whole number
-  Number = 1 << 4,    //
-  Text = 1 << 5,      //
-  Name = 1 << 6,      // letters, digits, _ . or -
-  Word = 1 << 7,      // one of Key::words
-  Names = 1 << 8,     // a list of strings
-  Pair = 1 << 9,      // [number, number]
-  Points = 1 << 10,   // a list of pairs
-  Numbers = 1 << 11,  // a list of numbers
-  Formula = 1 << 12,  // a number, or an expression in a string
-  Vector = 1 << 13,   // a pair of formulas
-  Box = 1 << 14,      // a number, or [low, high]
-  BoxPair = 1 << 15,  // a pair of boxes
+  Table = 1,            // [key] or { ... }
+  Tables = 1 << 1,      // [[key]], or a list of { ... }; the path ends in []
+  Boolean = 1 << 2,     //
+  Whole = 1 << 3,       // a whole number
+  Number = 1 << 4,      //
+  Text = 1 << 5,        //
+  Name = 1 << 6,        // letters, digits, _ . or -
+  Word = 1 << 7,        // one of Key::words
+  Names = 1 << 8,       // a list of strings
+  Pair = 1 << 9,        // [number, number]
+  PointList = 1 << 10,  // a list of pairs
+  Numbers = 1 << 11,    // a list of numbers
+  Formula = 1 << 12,    // a number, or an expression in a string
+  Vector = 1 << 13,     // a pair of formulas
+  Box = 1 << 14,        // a number, or [low, high]
+  BoxPair = 1 << 15,    // a pair of boxes
   BoxPairs = 1 << 16,
   Formulas = 1 << 17,  // a table whose keys are names and whose values are formulas
   Tensor = 1 << 18,    // three or four formulas

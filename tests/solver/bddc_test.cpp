@@ -285,19 +285,18 @@ TEST(Bddc, ComplementIsMatrixAndFactorInOne) {
 TEST(Bddc, GradientsBeginWithWhatTheyKnow) {
   const MatrixXd A = definite_matrix(40, 3);
   test::on_peers(1, [&](Peers& peers) {
-    SharedGradients g(peers, {VectorXd::Ones(40), times, same});
     const auto times = [&](const VectorXd& x) -> VectorXd { return A * x; };
     const auto same = [](const VectorXd& r) { return r; };
+    SharedGradients g(peers, {VectorXd::Ones(40), times, same});
     const VectorXd b = VectorXd::Random(40);
-    const SharedGradients::Solved first = g.solve(times, same, b, 1e-12, 1e-4, 100),
-                                  again = g.solve(times, same, b, 1e-12, 1e-4, 100);
+    const SharedSolved first = g.solve(b), again = g.solve(b);
     EXPECT_LT((A * first.x - b).norm(), 1e-10 * b.norm());
     EXPECT_LE(first.iterations, 41);
     const VectorXd values = Eigen::SelfAdjointEigenSolver<MatrixXd>(A).eigenvalues();
     EXPECT_NEAR(first.condition, values[39] / values[0], 0.01 * first.condition);
     EXPECT_LE(again.iterations, 1);
     EXPECT_LT((again.x - first.x).norm(), 1e-9 * first.x.norm());
-    EXPECT_EQ(g.solve(times, same, VectorXd::Zero(40), 1e-12, 1e-4, 100).iterations, 0);
+    EXPECT_EQ(g.solve(VectorXd::Zero(40)).iterations, 0);
   });
 }
 

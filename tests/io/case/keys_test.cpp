@@ -140,7 +140,7 @@ TEST(Keys, ReadAsATable) {
       const Key* table = find_key(path.substr(0, dot));
       ASSERT_NE(table, nullptr) << path;
       EXPECT_TRUE(has(table->type, KeyType::Table) || has(table->type, KeyType::Tables) ||
-                  has(table->type, KeyType::Points))
+                  has(table->type, KeyType::PointList))
           << path;
     }
   }
