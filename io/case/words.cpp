@@ -28,19 +28,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// Without what a terminal would obey.
+std::string printable(std::string_view text) {
+  std::string out(text);
+  std::replace_if(
+      out.begin(), out.end(), [](unsigned char byte) { return byte < 32 || byte == 127; }, ' ');
+  return out;
+}
+
 }  // namespace
 
 std::string quote(std::string_view text) {
   constexpr std::size_t longest = 60;
-  std::string out = "\"";
   std::size_t end = std::min(text.size(), longest);
   // Not in the middle of a UTF-8 sequence.
   while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
-  for (const char c : text.substr(0, end)) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += byte < 32 || byte == 127 ? ' ' : c;
-  }
-  return out + (end < text.size() ? "...\"" : "\"");
+  return fmt::format("\"{}{}\"", printable(text.substr(0, end)), end < text.size() ? "..." : "");
 }
 
 std::string suggest(std::string_view word, std::span<const std::string> known) {
@@ -55,8 +58,8 @@ std::string suggest(std::string_view word, std::span<const std::string> known) {
         best_distance = distance;
       }
     }
-  if (best) return fmt::format("did you mean \"{}\"?", *best);
-  return known.empty() ? "none is known here" : fmt::format("known: {}", fmt::join(known, ", "));
+  if (best) return fmt::format("did you mean \"{}\"?", printable(*best));
+  return known.empty() ? "none is known here" : "known: " + printable(fmt::format("{}", fmt::join(known, ", ")));
 }
 
 bool contains(std::span<const std::string> words, std::string_view word) {

@@ -15,8 +15,10 @@ seeds() {
     case)
       for f in "$root"/cases/*.toml "$root"/tests/fuzz/corpus/*.toml; do
         { sed -E 's|"[^"]*\.msh"|"a.msh"|; s|"[^"]*\.csv"|"a.csv"|' "$f"
-          printf '\n%%%%\n'; cat "$root/tests/fuzz/corpus/tiny.msh"
-          printf '\n%%%%\n'; cat "$root/tests/fuzz/corpus/points.csv"; } >"$to/$(basename "$f")"
+          if grep -qE '\.(msh|csv)"' "$f"; then
+            printf '\n%%%%\n'; cat "$root/tests/fuzz/corpus/tiny.msh"
+            printf '\n%%%%\n'; cat "$root/tests/fuzz/corpus/points.csv"
+          fi; } >"$to/$(basename "$f")"
       done
       ;;
     design)
@@ -96,7 +98,7 @@ fuzz() {
   case $parser in mesh | checkpoint | arrays | result) most=100000 ;; esac
   # No leak is looked for: what is kept for the next evaluation is none. 1 GB and 10 s are the promise.
   ASAN_OPTIONS=detect_leaks=0:quarantine_size_mb=16:allocator_may_return_null=1 TMPDIR=$shared \
-    "$build/parsers/$parser" -max_total_time="$2" -timeout=10 -rss_limit_mb=1024 -max_len=$most -dict="$build/parsers/$parser.dict" \
+    "$build/parsers/$parser" -max_total_time="$2" -timeout=10 -rss_limit_mb=1024 -max_len=$most -len_control=20 -dict="$build/parsers/$parser.dict" \
     -artifact_prefix="$found/$parser-" -print_final_stats=1 "$corpus" "$begin" >"$said" 2>&1 || code=$?
   local last
   last=$(grep -E '^#[0-9]+.*cov:' "$said" | tail -n 1 || true)

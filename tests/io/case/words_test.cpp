@@ -15,6 +15,10 @@ TEST(Words, SuggestsTheNearest) {
   EXPECT_EQ(suggest("density", known), "known: young, poisson, state");
   EXPECT_EQ(suggest(std::string(100000, 'y'), known), "known: young, poisson, state");
   EXPECT_EQ(suggest("a", {}), "none is known here");
+  // Names of a stranger may hold what a terminal obeys.
+  const std::vector<std::string> odd{"a\x1b[2J", std::string("b\0\n\x7f", 4)};
+  EXPECT_EQ(suggest("density", odd), "known: a [2J, b   ");
+  EXPECT_EQ(suggest("a [2J", odd), "did you mean \"a [2J\"?");
 }
 
 TEST(Words, QuotesOnOneLine) {
