@@ -320,9 +320,10 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   found.functional.model = &coarse;  // no process has that of the whole
   for (const std::string& note : notes_on(c.functional, found.functional, c.shape, r.cracks)) s.notes.push_back(note);
   if (found.effort.unfinished > 0)
-    s.notes.push_back(fmt::format("{} of {} solves in parts ended before they were as exact as asked ({}); the rounds "
-                                  "that followed made up for it",
-                                  found.effort.unfinished, found.effort.solves, found.effort.ended));
+    s.notes.push_back(
+        fmt::format("{} of {} solves in parts ended before they were as exact as asked ({}); the rounds "
+                    "that followed made up for it",
+                    found.effort.unfinished, found.effort.solves, found.effort.ended));
   if (!certified(found.state)) {
     r.status = "not converged";
     r.reason = failure(coarse, found.state);

@@ -57,19 +57,17 @@ double read_cell(const std::filesystem::path& folder, const std::string& where) 
   std::string line;
   std::getline(in, line);
   const std::vector<std::string> names = split(line, ',');
-  const auto column = std::ranges::find(names, parts[2]) - names.begin();
-  std::vector<double> values;
-  while (std::getline(in, line))
-    if (const auto cells = split(line, ','); !cells.empty())  // a last cell that is empty is none: row numbers count it
-      values.push_back(static_cast<std::ptrdiff_t>(cells.size()) > column
-                           ? number_in(cells[static_cast<std::size_t>(column)])
-                           : nan);
+  const auto column = static_cast<std::size_t>(std::ranges::find(names, parts[2]) - names.begin());
+  std::vector<double> values;  // a last cell that is empty is none: NaN stands for it, so that rows keep their numbers
+  while (column < names.size() && std::getline(in, line))
+    if (const auto cells = split(line, ','); !cells.empty())
+      values.push_back(column < cells.size() ? number_in(cells[column]) : nan);
   std::vector<double> known;
   std::ranges::copy_if(values, std::back_inserter(known), [](double v) { return std::isfinite(v); });
   if (!known.empty() && parts[1] == "max") return *std::ranges::max_element(known);
   if (!known.empty() && parts[1] == "min") return *std::ranges::min_element(known);
   const double row = number_in(parts[1]);
-  if (!(row >= 0 && row < static_cast<double>(values.size())))
+  if (!(row >= 0 && row < static_cast<double>(values.size())) || std::isnan(values[static_cast<std::size_t>(row)]))
     throw Error(Fault::Usage, fmt::format("there is no cell {}", quote(where)));
   return values[static_cast<std::size_t>(row)];
 }

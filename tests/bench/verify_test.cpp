@@ -156,8 +156,10 @@ TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
   EXPECT_EQ(read_number(folder, "probe_a.csv:1:s_xx"), -4);
   EXPECT_EQ(read_number(folder, "probe_a.csv:max:s_xx"), 3);
   EXPECT_EQ(read_number(folder, "probe_a.csv:min:s_xx"), -4);
-  for (const char* nothing : {"/cracks/1/tips/0/K_I", "/cracks/0/tips/0/K_II", "probe_a.csv:3:s_xx",
-                              "probe_a.csv:0:s_yy", "probe_a.csv:one:s_xx", "probe_a.csv"})
+  write_file(folder / "probe_b.csv", "x,s_xx\n0,\n1,7\n");
+  EXPECT_EQ(read_number(folder, "probe_b.csv:1:s_xx"), 7);
+  for (const char* nothing : {"probe_b.csv:0:s_xx", "/cracks/1/tips/0/K_I", "/cracks/0/tips/0/K_II",
+                              "probe_a.csv:3:s_xx", "probe_a.csv:0:s_yy", "probe_a.csv:one:s_xx", "probe_a.csv"})
     EXPECT_THROW(read_number(folder, nothing), Error) << nothing;
   EXPECT_DOUBLE_EQ(value_of("2*K/sqrt(pi*a)", {{"K", 3}, {"a", 1 / pi}}), 6);
   EXPECT_THROW(value_of("2*L"), Error);

@@ -214,8 +214,8 @@ TEST(ReadMesh, ASurfaceIsWrittenAsOneBlock) {
   const Mesh mesh = triangulate(plate.shape, {.size = 0.2});
   const std::string written = msh_text(mesh, plate.shape, MshVersion::V4);
   std::istringstream rest(written.substr(written.find("$Elements") + 9));
-  std::size_t blocks = 0, cells = 0;
-  rest >> blocks >> cells;
+  std::size_t blocks = 0, cells = 0, first = 0, last = 0;
+  rest >> blocks >> cells >> first >> last;
   std::set<std::pair<int, int>> seen;
   std::size_t count = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
