@@ -7,6 +7,7 @@
 #include "io/case/reader.hpp"
 
 #include "base/read_whole_file.hpp"
+#include "io/case/named_files.hpp"
 #include "io/case/toml_words.hpp"
 #include "io/words.hpp"
 #include "kerf/types.hpp"
@@ -52,6 +53,13 @@ int longest_dotted_key(std::string_view text) {
   return longest;
 }
 
+/// Keys and names of files stand in messages as they are: nothing in them may be what a terminal obeys, or ends a text.
+void require_printable(std::string_view text, const Position& position, std::string_view what) {
+  if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }))
+    throw Error(Fault::Usage, fmt::format("{}: {} {} has a control character; write it with letters and digits",
+                                          to_string(position), what, quote(text)));
+}
+
 Node convert(const toml::node& node, const Position& whole) {
   // `whole` without a line stands for an override: everything in it is there.
   const auto place = [&](const toml::source_region& region) {
@@ -60,8 +68,10 @@ Node convert(const toml::node& node, const Position& whole) {
   Node out;
   out.position = place(node.source());
   if (const toml::table* table = node.as_table()) {
-    for (const auto& [key, value] : *table)
+    for (const auto& [key, value] : *table) {
+      require_printable(key.str(), place(key.source()), "the key");
       out.entries.push_back({std::string(key.str()), place(key.source()), convert(value, whole)});
+    }
     const auto earlier = [](const Entry& a, const Entry& b) {
       return std::pair(a.position.line, a.position.column) < std::pair(b.position.line, b.position.column);
     };
@@ -179,7 +189,9 @@ std::string read_text(const std::filesystem::path& path) {
 Node read_document(const std::filesystem::path& path) {
   const std::string text = read_text(path);
   const Position start{std::make_shared<const std::string>(path.string()), 1, 1};
-  return convert(parse(text, start), start);
+  Node document = convert(parse(text, start), start);
+  for_each_file(document, [](const Node& name) { require_printable(name.text, name.position, "the name of a file"); });
+  return document;
 }
 
 namespace {

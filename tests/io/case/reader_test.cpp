@@ -45,6 +45,17 @@ TEST(MarksOfEncoding, AreReadOver) {
             std::string::npos);
 }
 
+// They stand in messages as they are.
+TEST(KeysAndNamesOfFiles, HaveNoControlCharacters) {
+  for (const char* odd : {"\\u001b[2J", "\\u0000", "\\n", "\\u007f"}) {
+    const std::string text = std::string("\"a") + odd + "b\"";
+    EXPECT_NE(error(square + "[define]\n" + text + " = '1'\n").find("a.toml:8:1: the key \"a "), std::string::npos)
+        << error(square + "[define]\n" + text + " = '1'\n");
+    const std::string probe = square + "[[probe]]\nname = 'p'\nfile = " + text + "\n";
+    EXPECT_NE(error(probe).find("a.toml:9:8: the name of a file \"a "), std::string::npos) << error(probe);
+  }
+}
+
 // Dots in texts are no parts of a key, however the text is quoted; those behind it are.
 TEST(DottedKeys, AreCountedOutsideTexts) {
   std::string dots = "a";
