@@ -33,6 +33,12 @@ struct ExchangedRow {
   std::vector<std::pair<Index, double>> stiffness;  // of a row that was held: forces of a unit jump of it alone
 };
 
+/// A triangle at a row in contact, and its condensed matrix.
+struct ContactCell {
+  Index triangle;
+  SkeletonMatrix K;
+};
+
 struct SharedBody::Impl {
   Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
        const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole);
@@ -53,8 +59,11 @@ struct SharedBody::Impl {
   ExchangedRow exchange(Index row);
   /// Rows of which the system holds another set.
   std::vector<Index> exchanged_rows(const std::vector<bool>& rows) const;
-  /// Moves x by what these forces per unknown do; rows that are held stay where they are.
-  void settle(const Eigen::VectorXd& forces, Twofold& x);
+  /// Moves x by what these forces per unknown do; rows that are held stay where they are. Returns the change.
+  Eigen::VectorXd settle(const Eigen::VectorXd& forces, Twofold& x);
+  /// K x of the triangles at rows in contact alone: all of it where x is nothing but jumps there, and for any x on
+  /// these rows.
+  Eigen::VectorXd forces_at_contact(const Eigen::VectorXd& x);
   /// Of what is owned here.
   double work(const Eigen::VectorXd& forces, const Eigen::VectorXd& x);
   bool moves(Index unknown) const {
@@ -159,6 +168,7 @@ struct SharedBody::Impl {
   Model model;
   Precision precision = Precision::Double;  // of the factors of the insides
   std::optional<Elementwise> products = {};
+  std::vector<ContactCell> contact_cells = {};
   Eigen::VectorXd applied = {};  // per unknown, what loads are there; after `judge`
   HeldSystem now = {};
   std::vector<bool> held = {};                   // per row in contact of all

@@ -59,13 +59,13 @@ ExchangedRow SharedBody::Impl::exchange(Index row) {
     if (contact_of[u] == row) (now.held[row] ? x.high : forces)[u] = 1;
   ExchangedRow found{.own = none_of(), .jumps = {}, .forces = {}, .stiffness = {}};
   if (now.held[row]) {
-    forces = -forces_of(x, {});
+    forces = -forces_at_contact(x.high);
     for (Index u = 0; u < s.total; ++u)
       if (forces[u] != 0) found.stiffness.emplace_back(u, -forces[u]);
   }
   move(now.solver->solve(on_own_rows(forces)), x);
   found.jumps = on_contact(x.high);
-  found.forces = on_contact(forces_of(x, {}));
+  found.forces = on_contact(forces_at_contact(x.high));
   for (Index u = 0; u < s.total; ++u)
     if (owns(model, u)) found.own[u] = x.high[u];
   return found;
@@ -90,13 +90,41 @@ double SharedBody::Impl::work(const Eigen::VectorXd& forces, const Eigen::Vector
   return sum(peers, here);
 }
 
-void SharedBody::Impl::settle(const Eigen::VectorXd& forces, Twofold& x) {
-  const std::vector<Index> rows = exchanged_rows(held);
-  if (rows.empty()) {
-    move(now.solver->solve(on_own_rows(forces)), x);
-    return;
-  }
+Eigen::VectorXd SharedBody::Impl::forces_at_contact(const Eigen::VectorXd& x) {
   const Skeleton& s = model.inner->skeleton;
+  const int n = skeleton_count(model.element);
+  if (contact_cells.empty())
+    for (Index t = 0; t < static_cast<Index>(model.mesh.triangles.size()); ++t) {
+      const Seen view = seen(model.mesh, s, t);
+      const bool touches = std::any_of(view.jump.begin(), view.jump.begin() + n,
+                                       [&](Index u) { return u != none && contact_of[u] != none; });
+      if (touches)
+        contact_cells.push_back({t, condense(model.inner->kernel, triangle(model, t),
+                                             material_of(model.mesh, model.scene, t), {}, {.a = penalty_at(model, t)})
+                                        .K});
+    }
+  Eigen::VectorXd forces = Eigen::VectorXd::Zero(s.total);
+  const Twofold values{x, Eigen::VectorXd::Zero(s.total)};
+  for (const ContactCell& cell : contact_cells) {
+    const Seen view = seen(model.mesh, s, cell.triangle);
+    const Strained at = strained(model, values, cell.triangle);
+    const SkeletonVector f = at.without_motions(cell.K * at.rest);
+    for (int i = 0; i < n; ++i)
+      for (const Index u : {view.base[i], view.jump[i]})
+        if (u != none) forces[u] += f[i];
+  }
+  return forces;
+}
+
+Eigen::VectorXd SharedBody::Impl::settle(const Eigen::VectorXd& forces, Twofold& x) {
+  const std::vector<Index> rows = exchanged_rows(held);
+  const Skeleton& s = model.inner->skeleton;
+  Twofold change{Eigen::VectorXd::Zero(s.total), Eigen::VectorXd::Zero(s.total)};
+  if (rows.empty()) {
+    move(now.solver->solve(on_own_rows(forces)), change);
+    add(x, 1, change.high);
+    return change.high;
+  }
   const auto n = static_cast<Eigen::Index>(rows.size());
   Eigen::MatrixXd system(n, n);
   Eigen::VectorXd asked(n), size(n);
@@ -113,7 +141,6 @@ void SharedBody::Impl::settle(const Eigen::VectorXd& forces, Twofold& x) {
   peers.sum({asked.data(), static_cast<std::size_t>(n)});
   const Eigen::MatrixXd scaled = size.asDiagonal() * system * size.asDiagonal();
   const Eigen::VectorXd share = size.cwiseProduct(multiply(inverse(scaled), size.cwiseProduct(asked)));
-  Twofold change{Eigen::VectorXd::Zero(s.total), Eigen::VectorXd::Zero(s.total)};
   Eigen::VectorXd pushed = forces;
   const auto on_row = [&](Index row, const auto& each) {
     for (Index u = s.base; u < s.total; ++u)
@@ -128,6 +155,7 @@ void SharedBody::Impl::settle(const Eigen::VectorXd& forces, Twofold& x) {
   for (const Index row : rows)
     if (held[row]) on_row(row, [&](Index u) { change.high[u] = change.low[u] = 0; });
   add(x, 1, change.high);
+  return change.high;
 }
 
 }  // namespace kerf

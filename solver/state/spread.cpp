@@ -398,27 +398,27 @@ void SharedBody::Impl::correct(Round& r, State& state) {
   }
   const Skeleton& s = model.inner->skeleton;
   const LoggedWork logged(peers, PartsWork::Contact);
-  bool changed = false;  // x, since unmet
   const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
     // All take the decisions of the first process.
     std::vector<Motion> motion = wanted;
     Eigen::VectorXd force = given.size() == contact_rows ? given : Eigen::VectorXd::Zero(contact_rows);
     agree(peers, motion, force);
     hold(held_by(motion, contact_rows));
+    Eigen::VectorXd closed = Eigen::VectorXd::Zero(s.total);  // jumps that are taken back
     for (Index u = s.base; u < s.total; ++u)
-      if (contact_of[u] != none && held[contact_of[u]] && (r.x.high[u] != s.prescribed[u] || r.x.low[u] != 0)) {
+      if (contact_of[u] != none && held[contact_of[u]]) {
+        closed[u] = s.prescribed[u] - r.x.high[u] - r.x.low[u];
         r.x.high[u] = s.prescribed[u];
         r.x.low[u] = 0;
-        changed = true;
       }
-    if (sum(peers, changed ? 1 : 0) > 0) r.unmet = forces_of(r.x, r.theta) - applied;
+    r.unmet += forces_at_contact(closed);
     Eigen::VectorXd rest = -r.unmet;
     for (Index u = s.base; u < s.total; ++u)
       if (contact_of[u] != none && !held[contact_of[u]]) rest[u] += force[contact_of[u]];
-    settle(rest, r.x);
+    const Eigen::VectorXd change = forces_at_contact(settle(rest, r.x));
     ++state.linear_solves;
-    r.unmet = forces_of(r.x, r.theta) - applied;
-    changed = false;
+    // Elsewhere nothing is left but what the solve leaves, which the next round sees.
+    for (Index u = 0; u < s.total; ++u) r.unmet[u] = contact_of[u] == none ? 0 : r.unmet[u] + change[u];
     return {on_contact(r.x.high) - gaps, on_contact(r.unmet)};
   };
   const Contact found = active_set(
