@@ -43,6 +43,8 @@
 #include <fmt/core.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+
 namespace kerf {
 
 namespace {
@@ -543,8 +545,16 @@ std::vector<std::vector<BoundedStress>> bound_probes(const Outcome& out, Journal
   return all;
 }
 
+/// Cracks in the order of their tables, behind them those of interfaces by their names. The shape has them from left to
+/// right, so that the mesh does not depend on that order.
+void list_as_in_case(const Case& c, std::vector<CrackResult>& cracks) {
+  const auto place = [&](const CrackResult& crack) { return std::ranges::find(c.crack_names, crack.name); };
+  std::ranges::stable_sort(cracks, {}, place);
+}
+
 /// result.json and the page of what there is.
 void end(const Case& c, const Adapted& adapted, const PlotData& data, Journal& journal, Result& r) {
+  list_as_in_case(c, r.cracks);
   if (!journal.missing.empty()) r.state->notes.push_back(journal.missing);
   journal.writer->finish();
   journal.seconds.output += journal.lap();

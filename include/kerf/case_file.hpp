@@ -113,8 +113,9 @@ struct Case {
   std::string title;  // the name when the file gives none
   Units units;
   Shape shape;
-  std::shared_ptr<const Mesh> mesh = {};     // of the shape, from a file: the state is solved on it as it is
-  std::vector<std::string> file_notes = {};  // what was left out of that file
+  std::shared_ptr<const Mesh> mesh = {};      // of the shape, from a file: the state is solved on it as it is
+  std::vector<std::string> file_notes = {};   // what was left out of that file
+  std::vector<std::string> crack_names = {};  // of [[crack]], in the order of the case; the shape has its own
   Sizing sizing;
   std::optional<bool> curved = {};  // mesh.curved, if it is not "auto"
   std::string why_chords = {};      // the edges of curved sides are chords, though nothing asks for chords

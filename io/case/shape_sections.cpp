@@ -220,6 +220,7 @@ std::optional<MeshFile> read_shape(const Value& document, const std::filesystem:
   }
   add_holes(holes, c.shape);
   add_cracks(cracks, c.shape, c.scene.laws);
+  for (const Value& crack : cracks) c.crack_names.push_back(text(need(crack, "name")));
   for (const CrackLaw& law : c.scene.laws)
     if (has_friction(law) && law.friction > 0) c.sizing.mirrored_tips = true;
   return file;
