@@ -25,8 +25,12 @@ class Processes {
   Processes& operator=(const Processes&) = delete;
   ~Processes();  // tells the others that there is no more to do
 
-  /// Options of PETSc that stand behind -- on the command line; before `start`. Throws Error(Usage).
-  void take_words(std::vector<std::string> words);
+  /// Options of PETSc that stand behind -- on the command line; before `start`.
+  void take_words(std::vector<std::string> words) {
+    words_ = std::move(words);
+  }
+  /// Throws Error(Usage) where they do not begin with one.
+  void check_words() const;
   const std::vector<std::string>& words() const {
     return words_;
   }

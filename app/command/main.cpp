@@ -449,6 +449,7 @@ int start(int argc, char** argv) {
   Processes processes;
   const std::span<char*> own = before_words(argc, argv, processes);
   const auto parse_own = [&] {
+    processes.check_words();
     std::optional<Arguments> arguments = parse(static_cast<int>(own.size()), own.data());
     if (arguments) arguments->line = command_line(argc, argv);
     return arguments;

@@ -61,7 +61,10 @@ constexpr double shift_of_shear = 1e-5;  // far above the rounding of K_p, far b
 /// One process cannot go on: none can. What all fail in the first one says, and ends the others while they wait for it.
 [[noreturn]] void end_all(int rank, const std::string& words, Fault fault) {
   constexpr unsigned patience = 2;  // seconds
-  if (rank > 0) sleep(patience);
+  if (rank > 0) {
+    std::signal(SIGTERM, SIG_DFL);  // by which the launcher ends those that wait
+    sleep(patience);
+  }
   const std::string line = fmt::format("kerf: {}\n", words);
   [[maybe_unused]] const auto written = write(STDERR_FILENO, line.data(), line.size());
   loaded().call->abort(static_cast<int>(fault));
@@ -558,11 +561,11 @@ int Processes::start() {
   return rank_;
 }
 
-void Processes::take_words(std::vector<std::string> words) {
+void Processes::check_words() const {
+  const std::vector<std::string>& words = words_;
   if (!words.empty() && !(words[0].size() > 1 && words[0][0] == '-' && std::isalpha(words[0][1])))
     throw Error(Fault::Usage, fmt::format("{} behind -- is no option of PETSc, which begins with a dash and a letter",
                                           quote(words[0])));
-  words_ = std::move(words);
 }
 
 bool Processes::by_kerf() const {
