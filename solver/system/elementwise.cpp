@@ -260,19 +260,6 @@ void for_each_condensed(const Model& m, const Take& take) {
 
 }  // namespace
 
-Elementwise::Product multiply_elementwise(const Model& m, const Twofold& values) {
-  Eigen::MatrixXd forces(skeleton_count(m.element), static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  Eigen::VectorXd energy(forces.cols());
-  for_each_condensed(m, [&](Index t, const SkeletonMatrix& K) {
-    const Strained s = strained(m, values, t);
-    const SkeletonVector f = K.selfadjointView<Eigen::Lower>() * s.rest;
-    energy[t] = s.rest.dot(f);
-    forces.col(t) = s.without_motions(f);
-  });
-  return {scattered_to_edges(m, forces), energy.sum()};
-}
-
-// n (n + 1)/2 numbers per triangle, 78 for bdms of degree 1: memory for time, where products are many.
 Elementwise::Elementwise(const Model& m) : m_(m) {
   const int n = skeleton_count(m.element);
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());

@@ -64,7 +64,5 @@ class Elementwise {
   const Model& m_;
   Eigen::MatrixXd lower_;  // per triangle the lower triangle of K_T, by columns
 };
-/// The same with every K_T made anew: where products are few and memory counts.
-Elementwise::Product multiply_elementwise(const Model& m, const Twofold& values);
 
 }  // namespace kerf
