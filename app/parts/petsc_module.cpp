@@ -77,7 +77,7 @@ const char* start(int argc, const char* const* argv, int* rank, int* count) {
     return said("MPI does not start");
   // Of a user are its words and PETSC_OPTIONS; files named .petscrc may be anybody's. No catching of signals.
   static std::vector<std::string> words;
-  words = {"kerf", "-skip_petscrc", "-no_signal_handler"};
+  words = {"kerf", "-skip_petscrc", "true", "-no_signal_handler", "true"};
   words.insert(words.end(), argv, argv + argc);
   static std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

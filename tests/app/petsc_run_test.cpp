@@ -859,9 +859,9 @@ TEST_F(PetscRun, OptionsReachPetsc) {
 TEST_F(DividedRun, WhateverPetscSolvesWith) {
   write(square + material("0.3") + crack("") + solver("bdms", 1));
   const json truth = result(0, "cholmod", "solve", coarse_in_parts);
-  for (const char* words : {"-ksp_type fcg", "-ksp_type pipecg", "-ksp_type gmres", "-ksp_guess_type pod",
-                            "-pc_type bddc", "-pc_type cholesky -pc_factor_mat_solver_type mumps",
-                            "-pc_type lu -ksp_type preonly", "-pc_type jacobi -ksp_max_it 5000"})
+  for (const char* words :
+       {"-ksp_type fcg", "-ksp_type pipecg", "-ksp_type gmres", "-ksp_guess_type pod", "-pc_type bddc",
+        "-pc_type cholesky -pc_factor_mat_solver_type mumps", "-pc_type lu -ksp_type preonly"})
     expect_same_state(result(3, "petsc", "solve", coarse_in_parts + fmt::format("-- {}", words)), truth, words);
 }
 
