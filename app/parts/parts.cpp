@@ -84,13 +84,13 @@ Undivided undivided(const Case& c, const std::shared_ptr<const Mesh>& given, con
   Mesh mesh;
   if (c.adapt) {  // as those of one process begin: graded by the indicator alone
     mesh = given ? *given : triangulate(c.shape, c.sizing);
-    if (may_touch(c.scene)) {
+    if (has_contact(c.scene)) {
       const Model model = prepare(mesh, c.element, c.scene, threads);
       const State state = solve(model, c.contact);
       u.contact = contact_guess(model, state);
       u.ends = contact_ends(model, state);
     }
-  } else if (may_touch(c.scene)) {
+  } else if (has_contact(c.scene)) {
     Adapted a = solve_graded(c.shape, c.sizing, c.element, c.scene,
                              {.contact = c.contact, .estimate = false, .threads = threads, .given = given});
     u.contact = contact_guess(a.model, a.state);
