@@ -943,9 +943,9 @@ TEST_F(DividedRun, LimitsAndForecasts) {
   const Outcome dry = kerf(2, large + "--dry-run");
   EXPECT_EQ(dry.code, 0) << dry.said;
   EXPECT_NE(dry.said.find("by one process, and less for each of several"), std::string::npos) << dry.said;
-  const Outcome slow = kerf(2, large + "--max-seconds 4");
+  const Outcome slow = kerf(2, large + "--max-seconds 1");
   EXPECT_EQ(slow.code, 4) << slow.said;
-  EXPECT_NE(slow.said.find("stopped: it took longer than --max-seconds 4"), std::string::npos) << slow.said;
+  EXPECT_NE(slow.said.find("stopped: it took longer than --max-seconds 1"), std::string::npos) << slow.said;
 }
 
 }  // namespace
