@@ -233,9 +233,11 @@ class Product : public Truth {
     const Shape &shape = b->c.shape, &full = filled.c.shape;
     Mesh mesh = filled.model->mesh;
     if (shape.regions.size() < full.regions.size()) {
+      const auto drawn = static_cast<Index>(std::ranges::find(full.regions, "n", &Loop::name) - full.regions.begin());
       std::vector<bool> stays;
-      for (const Index r : mesh.region) stays.push_back(r + 1 < static_cast<Index>(full.regions.size()));
+      for (const Index r : mesh.region) stays.push_back(r != drawn);
       mesh = part(mesh, stays).mesh;
+      for (Index& r : mesh.region) r -= r > drawn ? 1 : 0;
       if (shape.regions.empty()) mesh.region.clear();
       for (std::size_t e = 0; e < mesh.edges.size(); ++e)
         if (mesh.label[e] == none && mesh.crack[e] == none && (mesh.sides[e][0] == none || mesh.sides[e][1] == none))
