@@ -5,6 +5,7 @@
 
 #include "bench/command/records.hpp"
 
+#include "io/csv.hpp"
 #include "io/files.hpp"
 
 #include <fmt/format.h>
@@ -300,14 +301,6 @@ Json validation_section(const ValidationMeasurement& v) {
           {"out_of_range", v.out_of_range}};
 }
 
-/// A cell of a table: in quotes where it has to be.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + '"';
-}
-
 /// Columns as in `empty`, one row each.
 std::string csv(const Json& empty, const std::vector<Json>& rows) {
   std::string out;
@@ -317,7 +310,7 @@ std::string csv(const Json& empty, const std::vector<Json>& rows) {
     std::string row;
     for (const auto& [name, value] : cells.items()) {
       if (!row.empty()) row += ',';
-      row += value.is_string() ? quoted(value.get<std::string>()) : value.is_null() ? "" : value.dump();
+      row += value.is_string() ? csv_text(value.get<std::string>()) : value.is_null() ? "" : value.dump();
     }
     out += row + '\n';
   }
@@ -564,8 +557,7 @@ void write_optimize_json(const std::filesystem::path& path, const OptimizeBench&
                       {"most_objective", published.most_value},
                       {"fewest_state_solves", published.fewest_solves},
                       {"most_state_solves", published.most_solves},
-                      {"runs", Json::array()}};
-  for (const PublishedRun& r : bench.published) out["published"]["runs"].push_back(published_section(r));
+                      {"runs", all_of(bench.published, published_section)}};
   if (bench.remeshing) {
     const Remeshing& r = *bench.remeshing;
     out["remeshing"] = {{"triangles", r.triangles},     {"iterations", r.iterations}, {"iteration_s", r.iteration_s},

@@ -760,12 +760,6 @@ FinishedCurves CurvesRun::run() {
   return std::move(out_);
 }
 
-/// Why the curves cannot be moved, or nothing.
-std::optional<std::string> why_not(const Problem& p) {
-  if (const auto refused = refusal(p.element, can_optimize)) return *refused;
-  return std::nullopt;
-}
-
 }  // namespace
 
 Shape fit_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how) {
@@ -779,7 +773,7 @@ FinishedCurves finish_curves(const Problem& p, const OptimizeRequest& r, const C
     return std::any_of(loop.sides.begin(), loop.sides.end(),
                        [&](const Side& s) { return s.label == carved.design_label; });
   };
-  std::optional<std::string> why = why_not(p);
+  std::optional<std::string> why = refusal(p.element, can_optimize);
   if (!why && !has_design(carved.shape.outline) &&
       std::none_of(carved.shape.holes.begin(), carved.shape.holes.end(), has_design))
     why = "no boundary of the body is free to move";
