@@ -233,13 +233,10 @@ void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh,
 
 void note_lost(Notes& notes, const Case& c, const Mesh& mesh) {
   const Locator locator = make_locator(mesh);
-  const auto look = [&](const std::string& whose, const std::vector<Vec2>& points) {
-    if (std::string note = note_on_points(whose, mesh, locator, points); !note.empty())
-      notes.push_back(std::move(note));
-  };
-  for (const Probe& probe : c.probes) look(fmt::format("probe \"{}\"", probe.name), probe.points);
-  if (c.map && !c.map->points.empty()) look("map", c.map->points);
-  if (c.validate) look("validate", c.validate->points);
+  for (std::string& note : notes_on_points(c, mesh, locator, true)) notes.push_back(std::move(note));
+  if (!c.validate) return;
+  if (std::string note = note_on_points("validate", mesh, locator, c.validate->points); !note.empty())
+    notes.push_back(std::move(note));
 }
 
 /// What acts in one of the solutions of a run, and how messages call it: the loads of the scene, of each load case, of

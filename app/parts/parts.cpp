@@ -353,7 +353,9 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
     if (!r.map->points.empty())
       write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
   }
-  if (!c.probes.empty() || c.map) add_notes_on_points(c, coarse.mesh, make_locator(coarse.mesh), r);
+  if (!c.probes.empty() || c.map)
+    for (std::string& note : notes_on_points(c, coarse.mesh, make_locator(coarse.mesh), r.map.has_value()))
+      s.notes.push_back(std::move(note));
   write_crack_files(journal, r.cracks);
   for (std::size_t k = 0; k < c.probes.size(); ++k)
     write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});

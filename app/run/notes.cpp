@@ -173,13 +173,15 @@ void add_notes_on_chords(const Case& c, const Mesh& mesh, const std::function<do
     s.notes.push_back(note_on_chords_of_file(s.von_mises->singular ? *s.von_mises->regular : s.von_mises->largest));
 }
 
-void add_notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, Result& r) {
-  const auto add = [&](const std::string& whose, const std::vector<Vec2>& points) {
+std::vector<std::string> notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, bool with_map) {
+  std::vector<std::string> notes;
+  const auto look = [&](const std::string& whose, const std::vector<Vec2>& points) {
     if (std::string note = note_on_points(whose, mesh, locator, points); !note.empty())
-      r.state->notes.push_back(std::move(note));
+      notes.push_back(std::move(note));
   };
-  for (const Probe& probe : c.probes) add(fmt::format("probe \"{}\"", probe.name), probe.points);
-  if (r.map && c.map && !c.map->points.empty()) add("map", c.map->points);
+  for (const Probe& probe : c.probes) look(fmt::format("probe \"{}\"", probe.name), probe.points);
+  if (with_map && c.map && !c.map->points.empty()) look("map", c.map->points);
+  return notes;
 }
 
 }  // namespace kerf

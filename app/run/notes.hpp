@@ -41,7 +41,7 @@ void add_notes(const Case& c, const StateFacts& facts, Result& r);
 /// Where the largest stress lies on chords that stand for a curve. `beside`: the largest stress in the middles of the
 /// edges next to a place.
 void add_notes_on_chords(const Case& c, const Mesh& mesh, const std::function<double(const Vec2&)>& beside, Result& r);
-/// Of points of probes and of the map outside the body.
-void add_notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, Result& r);
+/// Of points outside the body: those of probes, and of the map if there is one.
+std::vector<std::string> notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, bool with_map);
 
 }  // namespace kerf

@@ -595,7 +595,8 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   const std::vector<std::vector<BoundedStress>> bounded = bound_probes(*out, journal);
   journal.begin("write");
   const Locator locator = c.probes.empty() && !c.map ? Locator() : make_locator(adapted.model.mesh);
-  add_notes_on_points(c, adapted.model.mesh, locator, r);
+  for (std::string& note : notes_on_points(c, adapted.model.mesh, locator, r.map.has_value()))
+    r.state->notes.push_back(std::move(note));
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
   for (std::size_t i = 0; i < c.probes.size(); ++i)
     write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, locator, map_task(c), mapped), bounded[i]);
