@@ -2,7 +2,7 @@
 // The processes that mpiexec started. The first one runs the program; the others condense and solve their parts when it
 // asks them to, and hold nothing else.
 
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 #include <optional>
 
@@ -41,13 +41,13 @@ class Processes {
   int start();
   /// Of all but the first: works until there is no more to do. `work`: what `work` asks the others for. `why`: words
   /// for a stop that was asked for.
-  void serve(const std::function<void(std::string_view task, Peers&)>& with = {},
+  void serve(const std::function<void(std::string_view task, Communicator&)>& with = {},
              const std::function<std::optional<std::string>()>& why = {});
   /// Of the first: with further options of PETSc, as on a command line. Throws Error(Usage) for what is none.
   std::shared_ptr<Ranks> ranks(const std::string& options);
   /// Of the first, after `ranks`: all others begin to work at this task, and this one with them. What one process fails
   /// in ends all of them.
-  void work(const std::string& task, const std::function<void(Peers&)>& own);
+  void work(const std::string& task, const std::function<void(Communicator&)>& own);
   /// As MPI knows it once it was started, before that as the launcher says.
   int count() const {
     return rank_ < 0 ? started_processes() : count_;

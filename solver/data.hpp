@@ -5,7 +5,7 @@
 #include "base/quadrature.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/scene.hpp"
-#include "solver/element/bow.hpp"
+#include "solver/element/edge_curvature.hpp"
 
 #include <optional>
 
@@ -35,7 +35,7 @@ struct EdgeValues {
 EdgeValues edge_values(const BoundaryField& f, const EdgeLine& edge, const char* what, double size = 0);
 struct EdgeOf {
   const Mesh& mesh;
-  const Bows& bows;
+  const EdgeCurvatures& curvatures;
   Index edge;
 };
 EdgeLine edge_line(const EdgeOf& of);
@@ -90,7 +90,7 @@ struct StrainData {
 /// The eigenstrain that a triangle has, or null.
 const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t);
 StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads,
-                       const Bows& bows = {});
+                       const EdgeCurvatures& curvatures = {});
 /// Its values (rows 11, 12, 21, 22) at points (l1, l2) of triangle t.
 Eigen::Matrix4Xd strain_at(const StrainData& data, Index t, const Points& l);
 /// The same derived by l1 (axis 0) or l2 (axis 1).
@@ -113,10 +113,10 @@ struct SceneData {
   StrainData strain;
 };
 SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads,
-                     const Bows& bows = {});
+                     const EdgeCurvatures& curvatures = {});
 
 /// All but the body force.
-SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows = {});
+SceneData boundary_data(const Mesh& mesh, const Scene& scene, const EdgeCurvatures& curvatures = {});
 
 /// The pressure in a crack, or null.
 const LoadedCrack* pressure_in(const SceneData& data, Index crack);

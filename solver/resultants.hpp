@@ -24,9 +24,9 @@ struct LabelResultant {
   Index label;
   Resultant of;
 };
-std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bows, const Scene& scene,
+std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const EdgeCurvatures& curvatures, const Scene& scene,
                                                 const SceneData& data);
-Resultant body_resultant(const Mesh& mesh, const Bows& bows, const Scene& scene, const SceneData& data,
+Resultant body_resultant(const Mesh& mesh, const EdgeCurvatures& curvatures, const Scene& scene, const SceneData& data,
                          const TriangleRule& rule);
 
 /// What the supports exert on the body, per label of a support: the tractions of the solution less the loads that act

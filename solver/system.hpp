@@ -6,14 +6,14 @@
 #include "solver/system/assemble.hpp"
 #include "solver/system/held.hpp"
 #include "solver/system/rigid.hpp"
-#include "solver/system/standing.hpp"
+#include "solver/system/semicoercive.hpp"
 
 #include <optional>
 
 namespace kerf {
 
-/// Of a part of a body that several processes solve together (solver/spread.hpp): what counts here. Integrals over a
-/// model run over own triangles, so that those of the processes add up to that of the body.
+/// Of a part of a body that several processes solve together (solver/divided_body.hpp): what counts here. Integrals
+/// over a model run over own triangles, so that those of the processes add up to that of the body.
 struct OwnShare {
   Index triangles = 0;        // own ones, the first of the mesh
   Index here = 0;             // this process
@@ -33,7 +33,7 @@ struct Inner {
   std::shared_ptr<const Factor> factor;
   std::vector<RigidMotion> floating;       // rigid motions that the supports leave free; the loads balance on them
   SceneData data = {};                     // of the scene on the mesh
-  Standing standing = {};                  // pieces that contact alone holds
+  Semicoercive semicoercive = {};          // pieces that contact alone holds
   std::shared_ptr<HeldFactors> held = {};  // instead of `factor` where contact is too large for a dense matrix
   std::vector<Motion> start = {};          // per row in contact: the set to begin with there, or nothing
   std::optional<OwnShare> own = {};        // nothing: all of it

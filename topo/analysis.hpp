@@ -2,7 +2,7 @@
 // What maps and loops ask of an analysis besides kerf/analysis.hpp.
 
 #include "kerf/analysis.hpp"
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 #include <span>
 
@@ -20,7 +20,7 @@ struct WholeBody {
   std::function<OneSided()> one_sided;
   MeasuredBody measured;  // for a misfit
 };
-WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, MeasuredBody measured = {});
+WholeBody whole_body(SharedBody& body, const State& state, Communicator& comm, MeasuredBody measured = {});
 /// `analyze` (kerf/analysis.hpp) of a part of a body: fields are those of the part, numbers those of the body.
 Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only);
 

@@ -98,9 +98,10 @@ class Lines {
 
 using Notes = std::vector<std::string>;
 
-void print_body(Lines& out, const Shape& shape, const Mesh& mesh, const Bows& bows) {
+void print_body(Lines& out, const Shape& shape, const Mesh& mesh, const EdgeCurvatures& curvatures) {
   double body = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) body += cell_area(cell_of(mesh, bows, static_cast<Index>(t)));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    body += cell_area(cell_of(mesh, curvatures, static_cast<Index>(t)));
   Vec2 low = mesh.points.at(0), high = low;
   for (const Vec2& p : mesh.points) {
     low = low.cwiseMin(p);
@@ -123,13 +124,13 @@ const char* with_eigenstrain(const Scene& scene, Index r) {
   return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? ", with an eigenstrain" : "";
 }
 
-void print_regions(Lines& out, const Case& c, const Mesh& mesh, const Bows& bows) {
+void print_regions(Lines& out, const Case& c, const Mesh& mesh, const EdgeCurvatures& curvatures) {
   const Shape& shape = c.shape;
   std::vector<double> sizes(shape.regions.size(), 0.0);
   std::vector<std::size_t> counts(shape.regions.size(), 0);
   for (std::size_t t = 0; t < mesh.region.size(); ++t)
     if (const Index r = mesh.region[t]; r != none) {
-      sizes[static_cast<std::size_t>(r)] += cell_area(cell_of(mesh, bows, static_cast<Index>(t)));
+      sizes[static_cast<std::size_t>(r)] += cell_area(cell_of(mesh, curvatures, static_cast<Index>(t)));
       ++counts[static_cast<std::size_t>(r)];
     }
   for (std::size_t r = 0; r < shape.regions.size(); ++r)
@@ -205,15 +206,16 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
 /// What the labels are called in the picture, with the resultants of the loads on them.
 using Names = std::vector<Named>;
 
-void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, const Bows& bows, Names& names) {
+void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh, const EdgeCurvatures& curvatures,
+                      Names& names) {
   const TriangleRule rule = triangle_rule(8);
-  const SceneData data = scene_data(mesh, c.scene, rule, 1, bows);
+  const SceneData data = scene_data(mesh, c.scene, rule, 1, curvatures);
   const auto line = [&](const std::string& what, const Resultant& r) {
     out.print("{:<20} force {}{}, moment {:.6g}{} about (0, 0)\n", what, at(r.force),
               with_blank(unit(c.units, dimension::force)), r.moment + 0.0,
               with_blank(unit(c.units, dimension::moment)));
   };
-  const std::vector<LabelResultant> tractions = traction_resultants(mesh, bows, c.scene, data);
+  const std::vector<LabelResultant> tractions = traction_resultants(mesh, curvatures, c.scene, data);
   if (!tractions.empty() || c.scene.body) out.print("\nloads\n");
   Resultant sum;
   for (const LabelResultant& r : tractions) {
@@ -223,7 +225,7 @@ void print_resultants(Lines& out, Notes& notes, const Case& c, const Mesh& mesh,
     sum.add(r.of);
   }
   if (c.scene.body) {
-    const Resultant body = body_resultant(mesh, bows, c.scene, data, rule);
+    const Resultant body = body_resultant(mesh, curvatures, c.scene, data, rule);
     line("body", body);
     sum.add(body);
   }
@@ -277,9 +279,9 @@ void note_start(Notes& notes, const Case& c) {
 }
 
 /// As a run would have them: no curved edges where one of them would fold its triangle.
-Bows bows_as_solved(const Case& c, const Mesh& mesh) {
+EdgeCurvatures bows_as_solved(const Case& c, const Mesh& mesh) {
   try {
-    return bows_of(mesh, c.element);
+    return curvatures_of(mesh, c.element);
   } catch (const FoldedTriangle&) {
     if (c.curved.value_or(false)) throw;
     return {};
@@ -291,7 +293,7 @@ Bows bows_as_solved(const Case& c, const Mesh& mesh) {
 std::string check(const Case& c, const std::filesystem::path& folder) {
   if (c.optimize) refuse_optimization(c);
   const Mesh mesh = c.mesh ? *c.mesh : triangulate(c.shape, c.sizing);
-  const Bows bows = bows_as_solved(c, mesh);
+  const EdgeCurvatures curvatures = bows_as_solved(c, mesh);
   Lines out;
   Notes notes = notes_on_files(c);
   if (c.mesh)
@@ -301,16 +303,16 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
                       "meshes and optimization",
                       *problem));
   out.print("{}\n", c.title);
-  print_body(out, c.shape, mesh, bows);
+  print_body(out, c.shape, mesh, curvatures);
   out.print("material  {}, plane {}{}\n", elastic_in_words({c.young, c.poisson, c.orthotropy}),
             c.plane_strain ? "strain" : "stress", with_eigenstrain(c.scene, none));
-  print_regions(out, c, mesh, bows);
+  print_regions(out, c, mesh, curvatures);
   print_mesh(out, mesh);
   print_cracks(out, notes, c, mesh);
   print_labels(out, notes, c.shape, c.scene, mesh);
   Names names;
   for (std::size_t k = 0; k < c.shape.labels.size(); ++k) names.push_back({static_cast<Index>(k), c.shape.labels[k]});
-  print_resultants(out, notes, c, mesh, bows, names);
+  print_resultants(out, notes, c, mesh, curvatures, names);
   note_lost(notes, c, mesh);
   note_loads(notes, c);
   note_start(notes, c);

@@ -13,7 +13,7 @@
 #include "app/command_line.hpp"
 #include "app/folder.hpp"
 #include "app/forecast.hpp"
-#include "app/parts/farm.hpp"
+#include "app/parts/task_pool.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "app/ranks.hpp"
@@ -355,7 +355,7 @@ int perform_sweep(const Arguments& arguments) {
 /// What all processes but the first do.
 void serve(const Case& c, Processes& processes, const Watchdog& watchdog) {
   catch_signals();
-  processes.serve([&](std::string_view task, Peers& peers) { work_on(c, task, peers); },
+  processes.serve([&](std::string_view task, Communicator& comm) { work_on(c, task, comm); },
                   [&] { return watchdog.why(); });
 }
 
@@ -458,10 +458,10 @@ int start(int argc, char** argv) {
     std::optional<Watchdog> watchdog;
     catch_signals();
     processes.serve(
-        [&](std::string_view task, Peers& peers) {
+        [&](std::string_view task, Communicator& comm) {
           const auto arguments = parse_own();  // as the first process has done
           if (!watchdog) watchdog.emplace(limits_of(*arguments, processes.count()));
-          work_on(read_case(arguments->case_file, arguments->overrides), task, peers);
+          work_on(read_case(arguments->case_file, arguments->overrides), task, comm);
         },
         [&] { return watchdog ? watchdog->why() : std::nullopt; });
     return 0;

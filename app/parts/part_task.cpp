@@ -1,6 +1,6 @@
 // What the first process tells the others, as bytes and back: the undivided mesh, which process has which triangle,
 // what is wanted, and what must be known of the whole body. Bytes are those of memory: all processes run the same
-// program on machines of one kind. The first letter tells this task from that of app/parts/farm.cpp.
+// program on machines of one kind. The first letter tells this task from that of app/parts/task_pool.cpp.
 
 #include "app/parts/part_task.hpp"
 

@@ -47,7 +47,7 @@ std::string piece_name(std::string_view of, Index process) {
 namespace {
 
 /// The larger of what the parts have.
-std::optional<Peak> largest_of(Peers& peers, const std::optional<Peak>& own) {
+std::optional<Peak> largest_of(Communicator& comm, const std::optional<Peak>& own) {
   struct Flat {
     double value, x, y, regular, u, v;
     char singular;
@@ -60,7 +60,7 @@ std::optional<Peak> largest_of(Peers& peers, const std::optional<Peak>& own) {
   }
   std::optional<Peak> all;
   std::optional<PlacedValue> regular;
-  for (const Flat& f : gathered(peers, flat)) {
+  for (const Flat& f : gathered(comm, flat)) {
     if (!all || f.value > all->largest.value)
       all = Peak{.largest = {Vec2(f.x, f.y), f.value}, .singular = f.singular != 0};
     if (std::isfinite(f.regular) && (!regular || f.regular > regular->value)) regular = {Vec2(f.u, f.v), f.regular};
@@ -111,7 +111,7 @@ void write_piece(const PartTask& task, std::string_view name, const Mesh& mesh, 
 
 /// Least and largest value of each kind of place that may be left out (LeftOut), over all processes: those of the
 /// first kind, and of the ones before it, where there are any.
-std::array<PlacedValue, 2> extrema_of_parts(Peers& peers, const OwnPlot& own, const Eigen::VectorXd& values,
+std::array<PlacedValue, 2> extrema_of_parts(Communicator& comm, const OwnPlot& own, const Eigen::VectorXd& values,
                                             const std::vector<LeftOut>& left_out) {
   struct Flat {
     double value = nan, x = 0, y = 0;
@@ -127,7 +127,7 @@ std::array<PlacedValue, 2> extrema_of_parts(Peers& peers, const OwnPlot& own, co
     }
   }
   std::array<PlacedValue, 2> all{PlacedValue{Vec2::Zero(), nan}, PlacedValue{Vec2::Zero(), nan}};
-  const std::vector<Flat> every = gathered(peers, flat);
+  const std::vector<Flat> every = gathered(comm, flat);
   for (std::size_t k = 0; k < 3 && !std::isfinite(all[0].value); ++k)
     for (std::size_t i = 0; i < every.size(); i += 6) {
       const Flat &least = every[i + 2 * k], &most = every[i + 2 * k + 1];
@@ -146,7 +146,8 @@ std::vector<Index> locate_own(const Model& model, const std::vector<Vec2>& point
 }
 
 /// At listed points: of the first process in whose own triangles each of them lies.
-std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, const std::vector<Vec2>& asked, Peers& peers) {
+std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, const std::vector<Vec2>& asked,
+                                    Communicator& comm) {
   struct Flat {
     Index point;
     double value, angle;
@@ -167,7 +168,7 @@ std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, const std:
   std::vector<MapPoint> points;
   for (const Vec2& x : asked) points.push_back({.at = x, .value = nan, .masked = true});
   std::vector<bool> known(points.size(), false);
-  for (const Flat& f : gathered(peers, own)) {
+  for (const Flat& f : gathered(comm, own)) {
     if (known[static_cast<std::size_t>(f.point)]) continue;
     known[static_cast<std::size_t>(f.point)] = true;
     MapPoint& p = points[static_cast<std::size_t>(f.point)];
@@ -179,7 +180,7 @@ std::vector<MapPoint> map_at_points(const Case& c, const Analysis& a, const std:
 }
 
 Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData& data, const OwnPlot& own,
-                Peers& peers, FoundTogether& found) {
+                Communicator& comm, FoundTogether& found) {
   const Model& model = *a.model;
   if (!task.green.empty()) take_green(green_from(task.green), a);
   Mapped map = make_map({c.functional, c.map_request, {}}, a, data, task.zones);
@@ -187,29 +188,29 @@ Mapped map_part(const Case& c, const PartTask& task, Analysis& a, const PlotData
   for (Index t = 0; t < own_triangles(model); ++t)
     if (map.full.masked_centroid[static_cast<std::size_t>(t)]) masked += cell_area(model, t);
   MapResult r{.perturbation = std::string(word(c.map_request.perturbation.kind))};
-  if (c.map && !c.map->points.empty()) r.points = map_at_points(c, a, c.map->points, peers);
+  if (c.map && !c.map->points.empty()) r.points = map_at_points(c, a, c.map->points, comm);
   for (std::size_t k = 0; k < c.probes.size(); ++k) {
-    const std::vector<MapPoint> at = map_at_points(c, a, c.probes[k].points, peers);
+    const std::vector<MapPoint> at = map_at_points(c, a, c.probes[k].points, comm);
     for (std::size_t i = 0; i < at.size(); ++i) found.probes[k][i].back() = at[i].value;
   }
-  const auto [least, most] = extrema_of_parts(peers, own, map.full.at_corners, map.left_out_corner);
+  const auto [least, most] = extrema_of_parts(comm, own, map.full.at_corners, map.left_out_corner);
   r.min = least;
   r.max = most;
   r.excluded_radius = task.zones.largest();
   r.radius = c.map_request.radius;
-  r.masked_share = sum(peers, masked) / found.area;
+  r.masked_share = sum(comm, masked) / found.area;
   constexpr double rounding = 1e-9;
   if (r.masked_share > 1 - rounding) r.min = r.max = {Vec2::Constant(nan), nan};  // extrema of nothing
   r.biactive_length = a.biactive_length;
   r.oriented = map.full.angle.size() > 0;
   found.map = std::move(r);
   found.map_fields = map_fields(map);
-  write_piece(task, "map", model.mesh, own, peers.here(), found.map_fields);
+  write_piece(task, "map", model.mesh, own, comm.here(), found.map_fields);
   return map;
 }
 
 /// The rows of probes, of the first process in whose own triangles each point lies; without a map.
-void gather_probes(const Case& c, const Model& model, const State& state, Peers& peers, FoundTogether& found) {
+void gather_probes(const Case& c, const Model& model, const State& state, Communicator& comm, FoundTogether& found) {
   struct Flat {
     std::size_t probe, point;
     std::array<double, 8> row;
@@ -227,14 +228,14 @@ void gather_probes(const Case& c, const Model& model, const State& state, Peers&
     auto& rows = found.probes.emplace_back();
     for (const Vec2& x : points) rows.push_back(probe_row(model, state, none, x, nan));
   }
-  std::vector<Flat> all = gathered(peers, own);
+  std::vector<Flat> all = gathered(comm, own);
   std::ranges::reverse(all);  // the first process has the last word
   for (const Flat& f : all) found.probes[f.probe][f.point].assign(f.row.begin(), f.row.end());
 }
 
 /// Per crack what all know of it. `from`: MeshPart::from.
-void gather_cracks(const Model& model, const State& state, const std::vector<std::vector<double>>& from, Peers& peers,
-                   FoundTogether& found) {
+void gather_cracks(const Model& model, const State& state, const std::vector<std::vector<double>>& from,
+                   Communicator& comm, FoundTogether& found) {
   struct Point {
     CrackPoint p;
     double slip;
@@ -255,7 +256,7 @@ void gather_cracks(const Model& model, const State& state, const std::vector<std
     std::vector<Edge> edges;
     for (std::size_t k = 0; k < path.size(); ++k)
       if (is_own(k)) edges.push_back({order[k], length_along(model, path[k].edge)});
-    edges = gathered(peers, edges);
+    edges = gathered(comm, edges);
     std::ranges::sort(edges, {}, &Edge::from);
     std::map<double, double> begin;  // along the curve, by the place along the chords
     double sum = 0;
@@ -272,7 +273,7 @@ void gather_cracks(const Model& model, const State& state, const std::vector<std
       }
       done += length_along(model, path[k].edge);
     }
-    std::vector<Point> all = gathered(peers, own);
+    std::vector<Point> all = gathered(comm, own);
     std::ranges::stable_sort(all, {}, [](const Point& q) { return q.p.s; });
     auto& points = found.profiles.emplace_back();
     auto& slips = found.slips.emplace_back();
@@ -283,7 +284,8 @@ void gather_cracks(const Model& model, const State& state, const std::vector<std
   }
 }
 
-void sum_reactions(const Model& model, const State& state, std::size_t labels, Peers& peers, FoundTogether& found) {
+void sum_reactions(const Model& model, const State& state, std::size_t labels, Communicator& comm,
+                   FoundTogether& found) {
   std::vector<double> sums(4 * labels, 0);  // whether there are any, force, moment
   for (const LabelResultant& r : reactions(model, state)) {
     double* at = sums.data() + 4 * static_cast<std::size_t>(r.label);
@@ -292,7 +294,7 @@ void sum_reactions(const Model& model, const State& state, std::size_t labels, P
     at[2] += r.of.force.y();
     at[3] += r.of.moment;
   }
-  peers.sum(sums);
+  comm.sum(sums);
   for (std::size_t l = 0; l < labels; ++l) {
     const double* at = sums.data() + 4 * l;
     if (at[0] == 0) continue;
@@ -304,8 +306,8 @@ void sum_reactions(const Model& model, const State& state, std::size_t labels, P
 }
 
 /// Whether J asks for the adjoint of a state.
-bool needs_adjoint(const Functional& j, const Model& part, Peers& peers) {
-  const bool self_adjoint = sum(peers, has_self_adjoint_work(part) ? 0 : 1) == 0;
+bool needs_adjoint(const Functional& j, const Model& part, Communicator& comm) {
+  const bool self_adjoint = sum(comm, has_self_adjoint_work(part) ? 0 : 1) == 0;
   return std::ranges::any_of(j.terms, [&](const Term& term) {
     return !term.energy && !term.measured && !term.volume && !(term.work && self_adjoint);
   });
@@ -315,39 +317,39 @@ bool needs_adjoint(const Functional& j, const Model& part, Peers& peers) {
 struct Bodies {
   const Case& c;
   const PartTask& task;
-  Peers& peers;
+  Communicator& comm;
   std::shared_ptr<const Mesh> whole;
   SharedBody make(MeshPart part, const Scene& scene, const Floating& floating) const {
-    return {std::move(part), c.element, scene, task.threads, floating, task.piece, peers, whole, task.precision};
+    return {std::move(part), c.element, scene, task.threads, floating, task.piece, comm, whole, task.precision};
   }
 };
 
 /// J; with a map all that it takes besides the state. `again`: the part once more, for a misfit.
 Analysis analyze_in_parts(const Bodies& bodies, SharedBody& body, const State& state, std::optional<MeshPart> again) {
-  const auto& [c, task, peers, whole] = bodies;
+  const auto& [c, task, comm, whole] = bodies;
   const auto measured = [&](const Support& displacement) {
     const auto other = std::make_shared<SharedBody>(
         bodies.make(std::move(again.value()), measured_scene(c.scene, displacement), task.measured));
     return std::pair(std::shared_ptr<const Model>(other, &other->model()),
                      std::make_shared<const State>(other->solve(task.contact)));
   };
-  return analyze(c.functional, body.model(), state, whole_body(body, state, peers, measured), !task.map);
+  return analyze(c.functional, body.model(), state, whole_body(body, state, comm, measured), !task.map);
 }
 
-Sums sums_over(Peers& peers) {
-  return {[&peers](std::span<double> v) { peers.sum(v); }, [&peers](std::span<double> v) { peers.largest(v); }};
+Sums sums_over(Communicator& comm) {
+  return {[&comm](std::span<double> v) { comm.sum(v); }, [&comm](std::span<double> v) { comm.largest(v); }};
 }
 
 /// The indicator of all triangles here, and the error of the body.
-Indicator estimate(const Case& c, const PartTask& task, const Model& model, const State& state, Peers& peers,
+Indicator estimate(const Case& c, const PartTask& task, const Model& model, const State& state, Communicator& comm,
                    FoundTogether& found) {
   Indicator indicator;
   if (!task.estimate || !can_estimate_error(model.element)) return indicator;
-  const Sums over_all = sums_over(peers);
+  const Sums over_all = sums_over(comm);
   indicator = error_indicator(model, state, over_all);
   add_chords(c.shape, task.divisions, model, state, indicator, over_all);
   if (indicator.stress > 0) found.error = indicator.relative;
-  found.round = {.triangles = static_cast<Index>(sum(peers, own_triangles(model))),
+  found.round = {.triangles = static_cast<Index>(sum(comm, own_triangles(model))),
                  .estimated_error = found.error.value_or(0),
                  .assemble = model.seconds.assemble,
                  .solve = state.seconds.solve};
@@ -355,11 +357,10 @@ Indicator estimate(const Case& c, const PartTask& task, const Model& model, cons
 }
 
 /// Why this round is the last one: on all processes the same.
-std::string end_of_rounds(const PartTask& task, const Model& model, Peers& peers, const FoundTogether& found) {
+std::string end_of_rounds(const PartTask& task, const Model& model, Communicator& comm, const FoundTogether& found) {
   const std::string here = unseen_by_estimate(model);
   std::string unseen;
-  for (const std::string& words :
-       peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), here)))
+  for (const std::string& words : comm.exchange(std::vector<std::string>(static_cast<std::size_t>(comm.count()), here)))
     if (unseen.empty()) unseen = words;
   std::vector<Round> rounds = task.rounds;
   rounds.push_back(found.round);
@@ -367,20 +368,20 @@ std::string end_of_rounds(const PartTask& task, const Model& model, Peers& peers
 }
 
 /// Of the triangles of all processes.
-Quality quality_of_all(const MeshPart& p, Peers& peers) {
+Quality quality_of_all(const MeshPart& p, Communicator& comm) {
   std::vector<bool> use(p.mesh.triangles.size(), false);
   std::fill_n(use.begin(), p.own, true);
   const Quality own = quality(part_without_cracks(p.mesh, use));
   std::array<double, 3> most{-own.h_min, own.h_max, -own.min_angle_deg};
-  peers.largest(most);
+  comm.largest(most);
   std::array<double, 2> sums{own.mean_quality * p.own, static_cast<double>(p.own)};
-  peers.sum(sums);
+  comm.sum(sums);
   return {-most[0], most[1], -most[2], sums[0] / sums[1]};
 }
 
 /// Per triangle of the mesh before it was divided; of the first process.
 Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, const std::vector<Index>& origin, Index own, std::size_t count,
-                             Peers& peers) {
+                             Communicator& comm) {
   struct Square {
     Index triangle;
     double of;
@@ -388,37 +389,37 @@ Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, const std::vector<Index
   std::vector<Square> here;
   for (Index t = 0; t < own; ++t) here.push_back({origin[static_cast<std::size_t>(t)], eta[t] * eta[t]});
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count));
-  for (const Square& s : gathered_by_first(peers, here)) squares[s.triangle] += s.of;
+  for (const Square& s : gathered_by_first(comm, here)) squares[s.triangle] += s.of;
   return squares.cwiseSqrt();
 }
 
 }  // namespace
 
-FoundTogether work_together(const Case& given, PartTask task, Peers& peers) {
+FoundTogether work_together(const Case& given, PartTask task, Communicator& comm) {
   Case c = given;
   c.sizing.curved = c.sizing.curved && !task.coarse.arc.empty();  // the first process may have drawn chords
-  MeshPart part = mesh_part(task.coarse, task.process, static_cast<int>(peers.count()), peers.here(), task.divisions);
+  MeshPart part = mesh_part(task.coarse, task.process, static_cast<int>(comm.count()), comm.here(), task.divisions);
   const SharedTips tips(task.coarse, c.scene, task.divisions);
   const std::size_t undivided = task.coarse.triangles.size();
   const bool on_chords = is_of_polygon(c.shape, task.coarse);
   FoundTogether found;
-  if (!task.coarse.arc.empty()) found.mesh = quality_of_all(part, peers);
+  if (!task.coarse.arc.empty()) found.mesh = quality_of_all(part, comm);
   const auto whole = task.map || task.copy ? std::make_shared<const Mesh>(std::move(task.coarse)) : nullptr;
   task.coarse = {};
   task.process = {};
   const std::vector<std::vector<double>> from = part.from;
   const std::vector<Index> origin = part.origin;
-  const Bodies bodies{c, task, peers, whole};
+  const Bodies bodies{c, task, comm, whole};
   std::optional<MeshPart> again;
   if (std::ranges::any_of(c.functional.terms, [](const Term& term) { return term.measured.has_value(); })) again = part;
   SharedBody body = bodies.make(std::move(part), c.scene, task.floating);
   const Model& model = body.model();
-  State state = body.solve(task.contact, task.map && needs_adjoint(c.functional, model, peers));
-  const Indicator indicator = estimate(c, task, model, state, peers, found);
+  State state = body.solve(task.contact, task.map && needs_adjoint(c.functional, model, comm));
+  const Indicator indicator = estimate(c, task, model, state, comm, found);
   if (task.adapts) {
-    found.stopped = end_of_rounds(task, model, peers, found);
+    found.stopped = end_of_rounds(task, model, comm, found);
     if (found.stopped.empty()) {
-      found.eta = on_undivided(indicator.eta, origin, own_triangles(model), undivided, peers);
+      found.eta = on_undivided(indicator.eta, origin, own_triangles(model), undivided, comm);
       return found;
     }
   }
@@ -428,50 +429,50 @@ FoundTogether work_together(const Case& given, PartTask task, Peers& peers) {
   found.functional.term_value = functional.term_value;
   std::array<double, 4> sums{potential_energy(model, state), work_of_loads(model, state), area(model),
                              static_cast<double>(own_triangles(model))};
-  peers.sum(sums);
+  comm.sum(sums);
   found.potential = sums[0];
   found.work = sums[1];
   found.area = sums[2];
   const double mean = mean_stress(model, state);
-  found.mean_stress = std::sqrt(sum(peers, mean * mean * area(model)) / found.area);
-  found.has_stress = sum(peers, has_stress(model, state) ? 1 : 0) > 0;
+  found.mean_stress = std::sqrt(sum(comm, mean * mean * area(model)) / found.area);
+  found.has_stress = sum(comm, has_stress(model, state) ? 1 : 0) > 0;
   found.unknowns = body.unknowns();
   found.interior = static_cast<Index>(interior_count(model.element) * sums[3]);
   found.effort = body.effort();
   found.seconds = model.seconds;
-  gather_cracks(model, state, from, peers, found);
-  gather_probes(c, model, state, peers, found);
-  const Sums over_all = sums_over(peers);
+  gather_cracks(model, state, from, comm, found);
+  gather_probes(c, model, state, comm, found);
+  const Sums over_all = sums_over(comm);
   if (task.tips) found.tips = tips.intensities(model, state, found.profiles, over_all);
   if (task.bounds)
     found.energy =
         energy_bounds(model, state, over_all, [&](const Eigen::VectorXd& forces) { return body.solve_open(forces); });
   body.drop_factor();
-  sum_reactions(model, state, c.shape.labels.size(), peers, found);
+  sum_reactions(model, state, c.shape.labels.size(), comm, found);
   if (task.vtk || task.peaks || task.map || task.copy) {
     const PlotData data = plot_data(model, state, c.plane_strain);
     const OwnPlot own = own_plot(data, own_triangles(model));
     if (task.peaks) {
-      found.von_mises = largest_of(peers, peak(own.points, data.von_mises(own.corner), task.zones));
+      found.von_mises = largest_of(comm, peak(own.points, data.von_mises(own.corner), task.zones));
       if (found.von_mises && !on_chords)  // corners of chords have a note
-        refine_peak(model, state, data, c.plane_strain, task.zones, own.corner, peers, *found.von_mises);
+        refine_peak(model, state, data, c.plane_strain, task.zones, own.corner, comm, *found.von_mises);
       const Eigen::VectorXd moved = data.values.displacement.colwise().norm().transpose();
-      found.displacement = largest_of(peers, peak(own.points, moved(own.corner), {}));
+      found.displacement = largest_of(comm, peak(own.points, moved(own.corner), {}));
       const Eigen::VectorXd strained = principal_strains(model, data);
-      found.strain = largest_of(peers, peak(own.points, strained(own.corner), task.zones));
+      found.strain = largest_of(comm, peak(own.points, strained(own.corner), task.zones));
       if (const auto top = found.von_mises ? top_on_chords(c, *found.von_mises) : std::nullopt)
         found.beside_chords =
-            std::ranges::max(gathered(peers, std::vector{beside(model, state, data, c.plane_strain, top->at)}));
+            std::ranges::max(gathered(comm, std::vector{beside(model, state, data, c.plane_strain, top->at)}));
     }
     found.fields = state_fields(model, state, data, indicator);
-    write_piece(task, "state", model.mesh, own, peers.here(), found.fields);
+    write_piece(task, "state", model.mesh, own, comm.here(), found.fields);
     const std::optional<Mapped> map =
-        task.map ? std::optional(map_part(c, task, functional, data, own, peers, found)) : std::nullopt;
+        task.map ? std::optional(map_part(c, task, functional, data, own, comm, found)) : std::nullopt;
     if (task.copy) {
       const Index own_count = own_triangles(model);
       found.copied =
-          gathered_by_first(peers, copied_corners(*whole, origin, own_count, model.mesh, data, map ? &*map : nullptr));
-      if (map) found.centers = gathered_by_first(peers, copied_centers(origin, own_count, *map));
+          gathered_by_first(comm, copied_corners(*whole, origin, own_count, model.mesh, data, map ? &*map : nullptr));
+      if (map) found.centers = gathered_by_first(comm, copied_centers(origin, own_count, *map));
     }
   }
   found.state.certificate = state.certificate;

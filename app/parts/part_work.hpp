@@ -4,8 +4,8 @@
 #include "app/parts/part_task.hpp"
 #include "app/run/coarse_copy.hpp"
 #include "kerf/case_file.hpp"
+#include "solver/divided_body.hpp"
 #include "solver/resultants.hpp"
-#include "solver/spread.hpp"
 
 #include <optional>
 
@@ -43,7 +43,7 @@ struct FoundTogether {
 };
 
 /// Solves and writes the part that this process has.
-FoundTogether work_together(const Case& c, PartTask task, Peers& peers);
+FoundTogether work_together(const Case& c, PartTask task, Communicator& comm);
 
 /// The file of a process among those of a grid.
 std::string piece_name(std::string_view of, Index process);

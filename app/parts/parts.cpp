@@ -54,7 +54,7 @@ namespace {
 /// Throws Error(Usage) for what needs more of the whole than the sums of its parts.
 void refuse_parts(const Model& coarse, const Case& c, bool with_map) {
   const auto fail = [&](const char* why) { fail_in_parts(c, why); };
-  if (!coarse.inner->standing.empty()) fail("what contact alone holds is known of the whole alone");
+  if (!coarse.inner->semicoercive.empty()) fail("what contact alone holds is known of the whole alone");
   require_known_loads(c.functional, coarse);
   require_finite(c.functional, coarse);
   if (!with_map) return;
@@ -65,7 +65,7 @@ void refuse_parts(const Model& coarse, const Case& c, bool with_map) {
 /// The same body with measured displacements, without a factor.
 Model measured_body(const Case& c, const Model& coarse, const Support& measured) {
   Model body = prepare(coarse.mesh, c.element, measured_scene(c.scene, measured), coarse.threads, {.factorize = false});
-  if (!body.inner->standing.empty())
+  if (!body.inner->semicoercive.empty())
     fail_in_parts(c, "what contact alone holds of the body with measured displacements is known of the whole alone");
   return body;
 }
@@ -169,7 +169,7 @@ struct InParts {
       journal.seconds.mesh += journal.lap();
       journal.begin("solve in parts");
       FoundTogether found;
-      processes.work(packed(task), [&](Peers& peers) { found = work_together(c, std::move(task), peers); });
+      processes.work(packed(task), [&](Communicator& comm) { found = work_together(c, std::move(task), comm); });
       journal.seconds.assemble += found.seconds.assemble;
       journal.seconds.contact += found.state.seconds.contact;
       journal.seconds.solve += journal.lap() - found.seconds.assemble - found.state.seconds.contact;
@@ -257,8 +257,8 @@ struct InParts {
 
 }  // namespace
 
-void work_on_part(const Case& c, std::string_view task, Peers& peers) {
-  work_together(c, unpacked(task), peers);
+void work_on_part(const Case& c, std::string_view task, Communicator& comm) {
+  work_together(c, unpacked(task), comm);
 }
 
 CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes, Journal& journal, Result& r) {

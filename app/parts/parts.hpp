@@ -4,7 +4,7 @@
 #include "app/run/coarse_copy.hpp"
 #include "app/run/journal.hpp"
 #include "kerf/case_file.hpp"
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 namespace kerf {
 
@@ -14,6 +14,6 @@ namespace kerf {
 CoarseCopy solve_in_parts(const Case& c, bool with_map, Processes& processes, Journal& journal, Result& r);
 
 /// Of the others: their part of the task that solve_in_parts has begun.
-void work_on_part(const Case& c, std::string_view task, Peers& peers);
+void work_on_part(const Case& c, std::string_view task, Communicator& comm);
 
 }  // namespace kerf

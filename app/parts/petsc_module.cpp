@@ -56,7 +56,7 @@ constexpr int tag = 77;
 constexpr const char* own_type = "kerf";
 PetscErrorCode create_preconditioner(PC pc);
 
-/// What -log_view shows besides PETSc's own events: Peers::Work, in its order.
+/// What -log_view shows besides PETSc's own events: Communicator::Work, in its order.
 constexpr std::array<const char*, 4> event_names{"KerfAssembly", "KerfSetUp", "KerfApply", "KerfContact"};
 std::array<PetscLogEvent, event_names.size()> events{};
 

@@ -72,7 +72,7 @@ struct KerfPetsc {
   /// `right` and `x`: of what the process owns, or of the rows here.
   const char* (*solve)(void* solver, const double* right, double* x, KerfPetscSolved* how);
   void (*drop)(void* solver);
-  /// Events of -log_view begin and end (Peers::Work). Not together.
+  /// Events of -log_view begin and end (Communicator::Work). Not together.
   void (*log)(int event, int begins);
   /// From the first process to all, `counts` each, and back.
   void (*scatter)(const double* all, const int* counts, double* own, int owned);

@@ -1,10 +1,10 @@
 // The processes that mpiexec started, behind two interfaces of the solver. Ranks (what the first process asks of the
 // others): orders as bytes, a letter and the name of a solver, upon which all of them build, use or drop their share of
-// a system that the first one has as a whole. Peers (what processes do together): sums, largest values, an exchange of
-// bytes of all with all, a solver of a shared system, which is kerf's BDDC or, where options ask for it, PETSc's
-// [theory: E.30; Zampini 2016]. MPI and PETSc lie behind the table of functions of petsc_module.cpp. A process that
-// cannot go on ends all of them (MPI_Abort), since the others would wait for it; only what all of them find alike, such
-// as a solve that does not converge, is an error that all throw. run_by_mpiexec() starts the same program as many
+// a system that the first one has as a whole. Communicator (what processes do together): sums, largest values, an
+// exchange of bytes of all with all, a solver of a shared system, which is kerf's BDDC or, where options ask for it,
+// PETSc's [theory: E.30; Zampini 2016]. MPI and PETSc lie behind the table of functions of petsc_module.cpp. A process
+// that cannot go on ends all of them (MPI_Abort), since the others would wait for it; only what all of them find alike,
+// such as a solve that does not converge, is an error that all throw. run_by_mpiexec() starts the same program as many
 // processes and passes signals on to mpiexec. docs/theory/elements.md, "Solving in parts".
 
 #include "app/ranks.hpp"
@@ -250,9 +250,9 @@ void refuse_unused(const std::string& options, const char* where) {
                   list.find("-pc_bddc") == std::string::npos ? "" : " (those of PCBDDC go with -pc_type bddc)"));
 }
 
-class MpiPeers : public Peers {
+class MpiCommunicator : public Communicator {
  public:
-  MpiPeers(int rank, int count) : rank_(rank), count_(count) {}
+  MpiCommunicator(int rank, int count) : rank_(rank), count_(count) {}
   Index here() const override {
     return static_cast<Index>(rank_);
   }
@@ -282,7 +282,7 @@ class MpiPeers : public Peers {
     return from;
   }
   std::unique_ptr<SharedSolver> solver(std::string packed, Index total, int threads, Precision precision) override {
-    if (loaded().call->by_kerf()) return Peers::solver(std::move(packed), total, threads, precision);
+    if (loaded().call->by_kerf()) return Communicator::solver(std::move(packed), total, threads, precision);
     return std::make_unique<PetscSolver>(std::move(packed), total, rank_, count_);
   }
   std::unique_ptr<SharedIteration> iteration(SharedSystem system) override {
@@ -315,7 +315,7 @@ class Share {
   }
 
  private:
-  MpiPeers peers_;
+  MpiCommunicator peers_;
   int owned_;
   std::unique_ptr<SharedSolver> solver_;
 };
@@ -583,7 +583,7 @@ void Processes::refuse_unused_options() const {
   refuse_unused(words, "the words behind --");
 }
 
-void Processes::serve(const std::function<void(std::string_view task, Peers&)>& with,
+void Processes::serve(const std::function<void(std::string_view task, Communicator&)>& with,
                       const std::function<std::optional<std::string>()>& why) {
   const KerfPetsc& call = *loaded().call;
   std::map<int, std::unique_ptr<Share>> shares;
@@ -609,8 +609,8 @@ void Processes::serve(const std::function<void(std::string_view task, Peers&)>& 
     if (what == Order::Solve) solved(*shares.at(name), rank_, nullptr, nullptr, nullptr);  // the first one says so
     if (what == Order::Drop) shares.erase(name);
     if (what == Order::Task) {
-      MpiPeers peers(rank_, count_);
-      with(next(), peers);
+      MpiCommunicator comm(rank_, count_);
+      with(next(), comm);
     }
     return what != Order::End;
   };
@@ -631,15 +631,15 @@ std::shared_ptr<Ranks> Processes::ranks(const std::string& options) {
   return std::make_shared<MpiRanks>(count_, options);
 }
 
-void Processes::work(const std::string& task, const std::function<void(Peers&)>& own) {
+void Processes::work(const std::string& task, const std::function<void(Communicator&)>& own) {
   const std::string head = order(Order::Task, 0);
   for (int p = 1; p < count_; ++p) {
     loaded().call->send(p, head.data(), head.size());
     loaded().call->send(p, task.data(), task.size());
   }
-  MpiPeers peers(rank_, count_);
+  MpiCommunicator comm(rank_, count_);
   at_work_ = true;
-  together(rank_, [&] { own(peers); });
+  together(rank_, [&] { own(comm); });
   at_work_ = false;
   refuse_unused_options();
 }

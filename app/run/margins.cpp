@@ -105,7 +105,7 @@ void refine_peak(const Model& model, const State& state, const PlotData& data, b
 }
 
 void refine_peak(const Model& part, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, std::span<const Index> own, Peers& peers, Peak& von_mises) {
+                 const SingularZones& zones, std::span<const Index> own, Communicator& comm, Peak& von_mises) {
   PlacedValue* value = regular_part(von_mises);
   if (!value) return;
   Eigen::VectorXd at_corners = Eigen::VectorXd::Constant(data.von_mises.size(), nan);
@@ -122,7 +122,7 @@ void refine_peak(const Model& part, const State& state, const PlotData& data, bo
     const Vec2& x = points[static_cast<std::size_t>(best)].x;
     flat.push_back({found[best], x.x(), x.y()});
   }
-  const std::vector<Flat> all = gathered(peers, flat);
+  const std::vector<Flat> all = gathered(comm, flat);
   const auto largest = std::ranges::max_element(all, {}, &Flat::value);
   if (largest != all.end()) *value = {Vec2(largest->x, largest->y), largest->value};
 }

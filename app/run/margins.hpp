@@ -4,7 +4,7 @@
 
 #include "app/run/journal.hpp"
 #include "app/run/peaks.hpp"
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 #include <span>
 
@@ -18,7 +18,7 @@ void refine_peak(const Model& model, const State& state, const PlotData& data, b
 /// The same of a body in parts, which all processes call together with the largest value of all. `own`: the corners of
 /// own triangles.
 void refine_peak(const Model& part, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, std::span<const Index> own, Peers& peers, Peak& von_mises);
+                 const SingularZones& zones, std::span<const Index> own, Communicator& comm, Peak& von_mises);
 
 /// Whether a body of so many triangles gets margins, as far as the case says.
 bool wants_margins(const Case& c, double triangles);

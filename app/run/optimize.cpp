@@ -204,7 +204,7 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   try {
     out.result = request.method == OptimizeMethod::LevelSet
                      ? optimize_level_set(task.problem, request, see, place)
-                     : optimize_parameters(task.problem, request, see, place, task.farm);
+                     : optimize_parameters(task.problem, request, see, place, task.pool);
     if (std::string above = note_on_given_start(request, out.result); !above.empty()) notes.push_back(std::move(above));
     out.result.notes.insert(out.result.notes.begin(), notes.begin(), notes.end());
     if (task.fit) fit_readings(task, request, journal, out);

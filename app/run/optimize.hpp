@@ -3,7 +3,7 @@
 
 #include "app/run/journal.hpp"
 #include "kerf/case_file.hpp"
-#include "optimize/farm.hpp"
+#include "optimize/task_pool.hpp"
 
 namespace kerf {
 
@@ -19,7 +19,7 @@ struct OptimizeTask {
   std::optional<FitRequest> fit;   // of an inverse problem, by its readings
   Readings readings;
   std::string fingerprint;  // of the case, for its checkpoint
-  Farm farm = {};           // for its starts; none: this process tries them
+  TaskPool pool = {};       // for its starts; none: this process tries them
 };
 
 /// The case with the data of the body that is known, in its functional and as readings, and in measured.csv. Throws as

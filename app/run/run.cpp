@@ -16,8 +16,8 @@
 #include "app/command/refuse.hpp"
 #include "app/command/report.hpp"
 #include "app/folder.hpp"
-#include "app/parts/farm.hpp"
 #include "app/parts/parts.hpp"
+#include "app/parts/task_pool.hpp"
 #include "app/run/bounds.hpp"
 #include "app/run/history.hpp"
 #include "app/run/load_cases.hpp"
@@ -90,7 +90,7 @@ OptimizeTask optimize_task(const Case& c, const RunOptions& options) {
           .fit = c.fit,
           .readings = c.readings,
           .fingerprint = c.fingerprint,
-          .farm = farm_of(c, options.processes)};
+          .pool = task_pool_of(c, options.processes)};
 }
 
 /// The optimal design as a case of its own: its shape, its scene with the loads of the first load case.

@@ -91,11 +91,12 @@ void add_resultants(const Model& model, const std::vector<LabelResultant>& react
     }
     return result;
   };
-  const Bows& bows = model.inner->skeleton.bows;
-  out.loads = named(traction_resultants(model.mesh, bows, model.scene, model.inner->data));
+  const EdgeCurvatures& curvatures = model.inner->skeleton.curvatures;
+  out.loads = named(traction_resultants(model.mesh, curvatures, model.scene, model.inner->data));
   out.reactions = named(reactions);
   if (model.scene.body) {
-    const Resultant body = body_resultant(model.mesh, bows, model.scene, model.inner->data, model.inner->kernel.load);
+    const Resultant body =
+        body_resultant(model.mesh, curvatures, model.scene, model.inner->data, model.inner->kernel.load);
     out.body = ResultantResult{"", body.force, body.moment};
     sum.add(body);
   }
@@ -127,9 +128,9 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
   add_resultants(model, reactions(model, state), shape, s.state);
   // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
   const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
-  const ContactMethod used = by_rows                         ? ContactMethod::ActiveSet
-                             : model.inner->standing.empty() ? c.contact
-                                                             : ContactMethod::DualQp;
+  const ContactMethod used = by_rows                             ? ContactMethod::ActiveSet
+                             : model.inner->semicoercive.empty() ? c.contact
+                                                                 : ContactMethod::DualQp;
   if (has_contact(model.scene)) s.contact = contact_result(state, used, s.cracks);
   return s;
 }

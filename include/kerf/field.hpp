@@ -17,14 +17,14 @@ struct Interval {
   double low = -infinity, high = infinity;
 };
 
-/// x(s) = a + s (b - a) + s (1 - s) (bow[0] + bow[1] s + bow[2] s^2) for 0 <= s <= 1: an edge of the boundary, with the
-/// outward unit normal n of its chord. Where it is curved, data are given the normal of the curve.
+/// x(s) = a + s (b - a) + s (1 - s) (curvature[0] + curvature[1] s + curvature[2] s^2) for 0 <= s <= 1: an edge of the
+/// boundary, with the outward unit normal n of its chord. Where it is curved, data are given the normal of the curve.
 struct EdgeLine {
   Vec2 a, b, n;
-  std::array<Vec2, 3> bow = {Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
+  std::array<Vec2, 3> curvature = {Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
   bool density = false;  // data count per length of the chord: times |dx/ds| / |b - a|
   bool is_straight() const {
-    return bow[0].isZero(0) && bow[1].isZero(0) && bow[2].isZero(0);
+    return curvature[0].isZero(0) && curvature[1].isZero(0) && curvature[2].isZero(0);
   }
 };
 

@@ -40,7 +40,7 @@ std::array<std::array<Interval, 5>, 2> powers_of(const EdgeLine& edge) {
   std::array<std::array<Interval, 5>, 2> p;
   for (int d = 0; d < 2; ++d) {
     const Interval side = edge.b[d] == edge.a[d] ? exactly(0) : widened(edge.b[d] - edge.a[d], edge.b[d] - edge.a[d]);
-    const auto q = [&](int k) { return exactly(edge.bow[static_cast<std::size_t>(k)][d]); };
+    const auto q = [&](int k) { return exactly(edge.curvature[static_cast<std::size_t>(k)][d]); };
     p[static_cast<std::size_t>(d)] = {exactly(0), side + q(0), q(1) - q(0), q(2) - q(1), -q(2)};
   }
   return p;

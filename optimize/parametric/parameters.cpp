@@ -114,12 +114,12 @@ VectorXd some_direction(Eigen::Index n) {
 class Rounds {
  public:
   Rounds(const Problem& problem, const OptimizeRequest& request, const Observer& see, const CheckpointPlace& place,
-         const Farm& farm)
+         const TaskPool& pool)
       : problem_(problem),
         request_(request),
         see_(see),
         place_(place),
-        farm_(farm),
+        pool_(pool),
         evaluations_(problem, request),
         lower_(lower_bounds(request.design)),
         upper_(upper_bounds(request.design)) {}
@@ -154,7 +154,7 @@ class Rounds {
   const OptimizeRequest& request_;
   const Observer& see_;
   const CheckpointPlace& place_;
-  const Farm& farm_;
+  const TaskPool& pool_;
   Evaluations evaluations_;
   VectorXd lower_, upper_;
   std::vector<DesignEvaluation> done_;   // evaluated, in this run or before it was interrupted
@@ -399,7 +399,7 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
         start_unpacked(checkpoint_.numbers.at(key(i)), failure == checkpoint_.texts.end() ? "" : failure->second));
   }
   // A checkpoint has all starts or none.
-  if (all.empty()) all = try_starts(problem_, request_, given, farm_);
+  if (all.empty()) all = try_starts(problem_, request_, given, pool_);
   for (std::size_t i = 0; i < all.size(); ++i) {
     checkpoint_.numbers[key(i)] = packed(all[i]);
     if (!all[i].failure.empty()) checkpoint_.texts[key(i)] = all[i].failure;
@@ -539,10 +539,10 @@ OptimizeResult Rounds::finish(const Minimum& found, std::size_t best) {
 }  // namespace
 
 OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,
-                                   const CheckpointPlace& place, const Farm& farm) {
+                                   const CheckpointPlace& place, const TaskPool& pool) {
   refuse_wrong(problem, request);
   const OptimizeRequest ordered = in_order(request);
-  return Rounds(problem, ordered, see, place, farm).run();
+  return Rounds(problem, ordered, see, place, pool).run();
 }
 
 OptimizeResult optimize_parameters(const Problem& problem, const OptimizeRequest& request, const Observer& see,

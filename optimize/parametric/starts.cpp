@@ -1,7 +1,7 @@
 // Several designs to begin with, compared on a mesh 1.5 times as coarse: each is minimized from for 12 evaluations, the
 // best third of them (two to four) for 40 more, and the best of these is gone on from. One design is better than
 // another if it violates less, beyond 1e-3, then by its merit; failed ones come last. Looks are independent of each
-// other: threads take them, or processes of a farm, each as a packed task, and they are sorted stably, so that the
+// other: threads take them, or processes of a pool, each as a packed task, and they are sorted stably, so that the
 // result does not depend on who did them. The least distance between things does not grow with the coarse mesh.
 
 #include "optimize/parametric/starts.hpp"
@@ -83,9 +83,9 @@ std::pair<Problem, OptimizeRequest> compared(const Problem& problem, const Optim
   return c;
 }
 
-// Tasks and answers of a farm.
+// Tasks and answers of a pool.
 
-// What try_start reads, in its order. A farm has problem and request.
+// What try_start reads, in its order. A pool has problem and request.
 std::string task_of(const Design& design, int evaluations, const StartTried& tried) {
   Packer to;
   to(start_of(design), evaluations, tried.from, tried.variables, tried.merit, tried.violation);
@@ -140,21 +140,21 @@ std::string try_start(const Problem& problem, const OptimizeRequest& request, st
 }
 
 std::vector<StartTried> try_starts(const Problem& problem, const OptimizeRequest& request, const VectorXd& given,
-                                   const Farm& farm) {
+                                   const TaskPool& pool) {
   const auto [p, r] = compared(problem, request);
   std::vector<StartTried> all;
   for (const VectorXd& x : places(p, r, given)) all.push_back({.from = x});
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto follow_all = [&, &p = p, &r = r](int evaluations) {
-    if (!farm) {
+    if (!pool) {
       parallel_tasks(static_cast<Index>(order.size()), problem.threads,
                      [&](Index i) { follow(p, r, evaluations, all[order[static_cast<std::size_t>(i)]]); });
       return;
     }
     std::vector<std::string> tasks;
     for (const std::size_t i : order) tasks.push_back(task_of(request.design, evaluations, all[i]));
-    const std::vector<std::string> answers = farm(tasks);
+    const std::vector<std::string> answers = pool(tasks);
     for (std::size_t k = 0; k < order.size(); ++k) take_answer(answers.at(k), all[order[k]]);
   };
   const auto look = [&](int evaluations) {

@@ -1,7 +1,7 @@
 #pragma once
 // Several designs to begin with: cheap looks at all, longer ones at the better ones, one to go on with.
 
-#include "optimize/farm.hpp"
+#include "optimize/task_pool.hpp"
 
 namespace kerf {
 
@@ -9,9 +9,9 @@ namespace kerf {
 /// where the boxes have no room for more. On meshes of 1.5 times the size each is minimized from for a few evaluations,
 /// the best third of them for some more; the best of these is `in_full`: what it reached is where to go on from. A
 /// design counts before another when it violates less (beyond 1e-3), then by its merit. problem.threads look at starts
-/// at the same time, or the processes of the farm; the numbers do not depend on it. Throws Error(Geometry) when none
+/// at the same time, or the processes of the pool; the numbers do not depend on it. Throws Error(Geometry) when none
 /// can be evaluated.
 std::vector<StartTried> try_starts(const Problem& problem, const OptimizeRequest& request, const Eigen::VectorXd& given,
-                                   const Farm& farm);
+                                   const TaskPool& pool);
 
 }  // namespace kerf

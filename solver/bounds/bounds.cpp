@@ -255,7 +255,7 @@ bool sees_too_little_on_arcs(const Model& m, const Forces& f, double stress) {
 std::string no_energy_bounds_because(const Model& m) {
   if (const auto why = refusal(m.element, can_bound_energy)) return *why;
   if (const char* why = unavailable_on_arcs(m)) return why;
-  if (!m.inner->standing.empty()) return "no bounds of the energy: a piece of the body is held by contact alone";
+  if (!m.inner->semicoercive.empty()) return "no bounds of the energy: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (is_unilateral(law) && law.normal)
       return "no bounds of the energy: the chords of a curved crack in contact do not slide";

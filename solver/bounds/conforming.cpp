@@ -425,7 +425,7 @@ Eigen::RowVectorXd bubble_of_mean(const EdgeRule& rule, double rest) {
 void correct_flux(const Model& m, const Field& s, const Nodes& nodes, Index e, int side, Points& v) {
   const Skeleton& skeleton = m.inner->skeleton;
   const auto normal_at = [&](double at) -> Vec2 {  // times |dx/ds|
-    const Vec2 slope = on_edge(m.mesh, skeleton.bows, e, at).slope;
+    const Vec2 slope = on_edge(m.mesh, skeleton.curvatures, e, at).slope;
     return {slope.y(), -slope.x()};
   };
   const EdgeRule& trace = m.inner->kernel.trace;
@@ -471,7 +471,7 @@ void correct_edges(const Model& m, const Field& s, const Nodes& nodes, const std
                                               : bubble_of_mean(rule, wanted[k] - here.row(k).dot(rule.w));
         for (int i = 1; i < degree; ++i) v.col(nodes.on_edge(e, side, i)) += change[i] * frame.col(k);
       }
-      if (bow_at(m.inner->skeleton.bows, e) && !(given[e] && (given[e]->held[0] || given[e]->held[1])))
+      if (curvature_at(m.inner->skeleton.curvatures, e) && !(given[e] && (given[e]->held[0] || given[e]->held[1])))
         correct_flux(m, s, nodes, e, side, v);
     }
   }

@@ -276,7 +276,7 @@ void along_arc(const Model& m, const Field& s, Index e, const Visit& visit) {
     if (t == none || t >= own_triangles(m)) continue;
     const Triangle cell = triangle(m, t);
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.curvatures, e, rule.s[q]);
       const double distance = radius * std::abs((to_circle * (p.x - arc.center)).norm() - 1);
       visit(p.x, p.slope.norm() * rule.w[q] * distance,
             tensor(stress_at(m.inner->kernel, cell, s.interior.col(t), p.x)), material_of(m.mesh, m.scene, t));

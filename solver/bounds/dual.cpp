@@ -79,8 +79,8 @@ namespace {
 /// q has the coefficients of the deviation from the chord, which is s (1 - s) (q_0 + q_1 s + q_2 s^2): at most 1/4 of
 /// the sum of their norms.
 double bulge(const Model& m, Index e) {
-  const Bow* bow = bow_at(m.inner->skeleton.bows, e);
-  return bow ? 0.25 * (bow->q[0].norm() + bow->q[1].norm() + bow->q[2].norm()) : 0;
+  const EdgeCurvature* curvature = curvature_at(m.inner->skeleton.curvatures, e);
+  return curvature ? 0.25 * (curvature->q[0].norm() + curvature->q[1].norm() + curvature->q[2].norm()) : 0;
 }
 
 /// To the nearest triangle with curved edges, where a field that is cut off must be 0.

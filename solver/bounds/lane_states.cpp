@@ -178,7 +178,7 @@ bool can_solve_together(const Model& m) {
   const std::vector<Material> all = all_materials(m.scene);
   return m.mesh.arc.empty() && is_mixed(m.element) && is_definite(m.element) &&
          m.element.at_vertices == AtVertices::Nothing && m.inner->system.penalty == 0 && m.inner->ordering.size > 0 &&
-         m.inner->ordering.contact_rows == 0 && m.inner->skeleton.unseen.empty() && m.inner->standing.empty() &&
+         m.inner->ordering.contact_rows == 0 && m.inner->skeleton.unseen.empty() && m.inner->semicoercive.empty() &&
          !has_large_contact(m) && std::ranges::all_of(all, [](const Material& of) { return isotropic(of); });
 }
 

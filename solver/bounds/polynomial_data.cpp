@@ -102,12 +102,13 @@ using Sampled = Eigen::Matrix<double, 2, data_points>;
 // the normal leaves out is at most the longest normal times the rest.
 // Data are sampled on the curve; slope/l is dx/ds over the length of the chord, whose rotation is the normal times
 // |dx/ds|.
-void along_bow(const Model& m, const EdgeValues& given, EdgeData& d, Sampled& at) {
+void along_curve(const Model& m, const EdgeValues& given, EdgeData& d, Sampled& at) {
   const EdgeRule sample = gauss(data_points);
   const double l = length(m.mesh, d.edge);
   double longest = 1;
   for (int q = 0; q < data_points; ++q) {
-    const Vec2 slope = on_edge(m.mesh, m.inner->skeleton.bows, d.edge, sample.s[q]).slope / l, n(slope.y(), -slope.x());
+    const Vec2 slope = on_edge(m.mesh, m.inner->skeleton.curvatures, d.edge, sample.s[q]).slope / l,
+               n(slope.y(), -slope.x());
     at.col(q) =
         m.inner->skeleton.frame[d.edge].transpose() * (given.at(0, q) * n + given.at(1, q) * Vec2(-n.y(), n.x()));
     longest = std::max(longest, n.norm());
@@ -133,7 +134,7 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
         d.primitive = given.primitive.cwiseSqrt();
         d.moved = given.error;
         Sampled at = given.at;
-        if (bow_at(m.inner->skeleton.bows, d.edge)) along_bow(m, given, d, at);
+        if (curvature_at(m.inner->skeleton.curvatures, d.edge)) along_curve(m, given, d, at);
         data.push_back(d);
         load.emplace_back((side == 0 ? -1 : 1) * at);
       }
@@ -144,7 +145,7 @@ void add_pressures(const Model& m, std::vector<EdgeData>& data, std::vector<Samp
 /// Frames of such an edge differ from point to point (Skeleton::bent_at).
 bool rolls_along_curve(const Model& m, Index edge) {
   const Skeleton& s = m.inner->skeleton;
-  return m.mesh.label[edge] != none && s.bent_at[edge] != none && bow_at(s.bows, edge);
+  return m.mesh.label[edge] != none && s.bent_at[edge] != none && curvature_at(s.curvatures, edge);
 }
 
 namespace {

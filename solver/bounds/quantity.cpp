@@ -73,7 +73,7 @@ bool behind_mouth(const Mesh& mesh, const CrackTip& tip) {
 
 /// Superposition asks for a linear problem: nothing one-sided, no friction.
 std::string no_quantity_because(const Model& m) {
-  if (!m.inner->standing.empty()) return "no bounds: a piece of the body is held by contact alone";
+  if (!m.inner->semicoercive.empty()) return "no bounds: a piece of the body is held by contact alone";
   for (const CrackLaw& law : m.scene.laws) {
     if (has_gap(law)) return "no bounds: the faces of a crack are apart before loading";
     if (has_friction(law)) return "no bounds: with friction the solution does not minimize an energy";

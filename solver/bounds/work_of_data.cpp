@@ -62,7 +62,7 @@ void add_edge(const Model& m, const EdgeValues& t, Index e, const Nucleus& G, Kn
   }();
   Points field(2, fine_points);
   for (int q = 0; q < fine_points; ++q)
-    field.col(q) = G.displacement(on_edge(m.mesh, m.inner->skeleton.bows, e, fine.s[q]).x);
+    field.col(q) = G.displacement(on_edge(m.mesh, m.inner->skeleton.curvatures, e, fine.s[q]).x);
   const Points load = t.at * to_fine;
   const double l = length(m.mesh, e);
   known.value += l * load.cwiseProduct(field).colwise().sum().dot(fine.w.transpose());

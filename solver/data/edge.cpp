@@ -455,7 +455,7 @@ class EdgeIntegration {
 
 EdgeLine edge_line(const EdgeOf& of) {
   EdgeLine line = edge_line(of.mesh, of.edge);
-  if (const Bow* bow = bow_at(of.bows, of.edge)) line.bow = bow->q;
+  if (const EdgeCurvature* curvature = curvature_at(of.curvatures, of.edge)) line.curvature = curvature->q;
   return line;
 }
 
@@ -466,7 +466,7 @@ EdgeValues edge_values(const BoundaryField& f, const EdgeOf& of, const char* wha
   line.density = density;
   const double chord = (line.b - line.a).norm();
   const auto at = [&](double s) -> Vec2 {
-    const OnEdge p = on_edge(of.mesh, of.bows, of.edge, s);
+    const OnEdge p = on_edge(of.mesh, of.curvatures, of.edge, s);
     const double speed = p.slope.norm();
     return (density ? speed / chord : 1) * f(p.x, normal_at(p, line.n) / speed);
   };

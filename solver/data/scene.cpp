@@ -154,7 +154,7 @@ const std::vector<Index>& labeled(const SceneData& data, Index label) {
 
 // Tractions are densities on the edge: on a curved edge they count times |dx/ds| over the chord. Prescribed
 // displacements and pressures are values; the pressure gets the length with its normal (solver/system/skeleton.cpp).
-SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) {
+SceneData boundary_data(const Mesh& mesh, const Scene& scene, const EdgeCurvatures& curvatures) {
   SceneData data;
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const Index label = mesh.label[e];
@@ -165,9 +165,9 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
   const auto values = [&](Index label, const BoundaryField& f, const char* what, bool density) {
     LoadedEdges all{label, {}};
     double size = 0;
-    for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line({mesh, bows, e})));
+    for (const Index e : labeled(data, label)) size = std::max(size, size_on(f, edge_line({mesh, curvatures, e})));
     for (const Index e : labeled(data, label))
-      all.values.push_back(edge_values(f, {mesh, bows, e}, what, density, size));
+      all.values.push_back(edge_values(f, {mesh, curvatures, e}, what, density, size));
     return all;
   };
   for (const Support& s : scene.supports)
@@ -178,22 +178,23 @@ SceneData boundary_data(const Mesh& mesh, const Scene& scene, const Bows& bows) 
     if (!p || scene.laws[c].kind == CrackLaw::Kind::Bonded) continue;
     LoadedCrack all{static_cast<Index>(c), {}};
     double size = 0;
-    for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line({mesh, bows, e.edge})));
+    for (const CrackEdge& e : mesh.cracks[c]) size = std::max(size, size_on(p, edge_line({mesh, curvatures, e.edge})));
     for (const CrackEdge& e : mesh.cracks[c])
-      all.values.push_back(edge_values(p, {mesh, bows, e.edge}, "pressure in a crack", false, size));
+      all.values.push_back(edge_values(p, {mesh, curvatures, e.edge}, "pressure in a crack", false, size));
     data.pressures.push_back(std::move(all));
   }
   return data;
 }
 
 // The body force is looked at on all triangles together: looks are shared out among them.
-SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
-  SceneData data = boundary_data(mesh, scene, bows);
-  data.strain = strain_data(mesh, scene, rule, threads, bows);
+SceneData scene_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads,
+                     const EdgeCurvatures& curvatures) {
+  SceneData data = boundary_data(mesh, scene, curvatures);
+  data.strain = strain_data(mesh, scene, rule, threads, curvatures);
   if (!scene.body || is_polynomial(scene.body)) return data;
   std::vector<Index> all(mesh.triangles.size());
   std::iota(all.begin(), all.end(), Index(0));
-  const auto cell = [&](Index t) { return cell_of(mesh, bows, t); };
+  const auto cell = [&](Index t) { return cell_of(mesh, curvatures, t); };
   data.body = triangle_values(scene.body, all, cell, rule, size_over(scene.body, mesh), "body force", threads);
   return data;
 }

@@ -43,8 +43,9 @@ struct Sampled {
 /// Triangles of one field are looked at together, since looks are shared out among them.
 class Sampling {
  public:
-  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, const Bows& bows, int threads)
-      : mesh_(mesh), rule_(rule), bows_(bows), place_(mesh.triangles.size()) {
+  Sampling(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, const EdgeCurvatures& curvatures,
+           int threads)
+      : mesh_(mesh), rule_(rule), bows_(curvatures), place_(mesh.triangles.size()) {
     double size = 0;
     for (const Eigenstrain& e : scene.eigenstrain)
       size = std::max({size, e ? size_over(e.normal, mesh) : 0, e ? size_over(e.shear, mesh) : 0});
@@ -58,7 +59,7 @@ class Sampling {
       for (const VectorField* f : {&e->normal, &e->shear})
         if (!is_polynomial(*f))
           known_[f] = triangle_values(
-              *f, which, [&](Index t) { return cell_of(mesh, bows, t); }, rule, size, "eigenstrain", threads);
+              *f, which, [&](Index t) { return cell_of(mesh, curvatures, t); }, rule, size, "eigenstrain", threads);
   }
 
   Sampled operator()(const Eigenstrain& e, Index t) const {
@@ -89,7 +90,7 @@ class Sampling {
 
   const Mesh& mesh_;
   const TriangleRule& rule_;
-  const Bows& bows_;
+  const EdgeCurvatures& bows_;
   std::vector<std::size_t> place_;  // of a triangle among those of its region
   std::map<const VectorField*, std::vector<TriangleValues>> known_;
 };
@@ -113,11 +114,12 @@ const Eigenstrain* eigenstrain_of(const Mesh& mesh, const Scene& scene, Index t)
   return place < scene.eigenstrain.size() && scene.eigenstrain[place] ? &scene.eigenstrain[place] : nullptr;
 }
 
-StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads, const Bows& bows) {
+StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule& rule, int threads,
+                       const EdgeCurvatures& curvatures) {
   StrainData data;
   if (!has_eigenstrain(scene)) return data;
   const Index triangles = static_cast<Index>(mesh.triangles.size());
-  data.degree = degree_of(scene, !bows.of.empty());
+  data.degree = degree_of(scene, !curvatures.of.empty());
   data.coefficients.setZero(4 * dim(data.degree), triangles);
   data.rest.setZero(triangles);
   data.error.setZero(triangles);
@@ -125,7 +127,7 @@ StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule&
   const Eigen::MatrixXd basis = monomials(data.degree, rule.x), weighted = basis * rule.w.asDiagonal();
   const Eigen::MatrixXd project =
       solve_spd(multiply_transposed(weighted, basis), weighted).transpose();  // values -> coefficients
-  const Sampling sample(mesh, scene, rule, bows, threads);
+  const Sampling sample(mesh, scene, rule, curvatures, threads);
   parallel_for(triangles, threads, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const Eigenstrain* e = eigenstrain_of(mesh, scene, t);
@@ -134,7 +136,7 @@ StrainData strain_data(const Mesh& mesh, const Scene& scene, const TriangleRule&
       const Eigen::Matrix4Xd c = s.at * project, left = s.at - c * basis;
       data.coefficients.col(t) = Eigen::Map<const Eigen::VectorXd>(c.data(), c.size());
       const Eigen::RowVector4d counts(1, 1, 2, 0);
-      const bool bent = data.degree > 0 && is_curved(cell_of(mesh, bows, t));
+      const bool bent = data.degree > 0 && is_curved(cell_of(mesh, curvatures, t));
       if (bent || !is_polynomial(e->normal) || !is_polynomial(e->shear))
         data.rest[t] = s.rest + counts * left.cwiseAbs2() * rule.w;
       data.error[t] = s.error;

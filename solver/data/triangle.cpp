@@ -409,9 +409,9 @@ void prove(const Enclosure& f, const Triangle& cell, double size, TriangleValues
     all = {std::min(all.low, low), std::max(all.high, high)};
   };
   double beyond = 0;  // of the chords: products of two coordinates are 1/4 at most
-  for (const Bow* bow : cell.bow)
-    if (bow)
-      for (const Vec2& q : bow->q) beyond += 0.25 * q.norm();
+  for (const EdgeCurvature* curvature : cell.curvature)
+    if (curvature)
+      for (const Vec2& q : curvature->q) beyond += 0.25 * q.norm();
   for (const Vec2& corner : cell.x) {
     holding(x, corner.x() - beyond, corner.x() + beyond);
     holding(y, corner.y() - beyond, corner.y() + beyond);

@@ -120,13 +120,13 @@ Kernel kernel(const Element& e) {
   return k;
 }
 
-Triangle cell_of(const Mesh& mesh, const Bows& bows, Index t) {
+Triangle cell_of(const Mesh& mesh, const EdgeCurvatures& curvatures, Index t) {
   Triangle cell;
   for (int i = 0; i < 3; ++i) {
     const Index edge = mesh.edges_of[t][i];
     cell.x[i] = mesh.points[mesh.triangles[t][i]];
     cell.forward[i] = mesh.sides[edge][0] == t;
-    cell.bow[i] = bow_at(bows, edge);
+    cell.curvature[i] = curvature_at(curvatures, edge);
   }
   return cell;
 }
@@ -164,9 +164,9 @@ CellMap cell_map(const Triangle& t, const Vec2& l) {
   if (!is_curved(t)) return map;
   const std::array<Vec2, 3> slope = barycentric_slopes(t);
   for (int e = 0; e < 3; ++e) {
-    if (!t.bow[e]) continue;
+    if (!t.curvature[e]) continue;
     const auto [a, b, both, s] = bowed(t, e, at);
-    const Vec2 q = height(*t.bow[e], s), along = height_slope(*t.bow[e], s);
+    const Vec2 q = height(*t.curvature[e], s), along = height_slope(*t.curvature[e], s);
     map.x += both * q;
     map.D +=
         q * (at[b] * slope[a] + at[a] * slope[b]).transpose() + 0.5 * both * along * (slope[b] - slope[a]).transpose();
@@ -181,10 +181,11 @@ std::array<Mat2, 2> cell_map_slopes(const Triangle& t, const Vec2& l) {
   const std::array<Vec2, 3> slope = barycentric_slopes(t);
   std::array<Mat2, 2> D = {Mat2::Zero(), Mat2::Zero()};
   for (int e = 0; e < 3; ++e) {
-    if (!t.bow[e]) continue;
+    if (!t.curvature[e]) continue;
     const auto [a, b, both, s] = bowed(t, e, at);
-    const Vec2 q = height(*t.bow[e], s), first = height_slope(*t.bow[e], s), second = 2 * t.bow[e]->q[2],
-               of_both = at[b] * slope[a] + at[a] * slope[b], of_s = 0.5 * (slope[b] - slope[a]);
+    const Vec2 q = height(*t.curvature[e], s), first = height_slope(*t.curvature[e], s),
+               second = 2 * t.curvature[e]->q[2], of_both = at[b] * slope[a] + at[a] * slope[b],
+               of_s = 0.5 * (slope[b] - slope[a]);
     for (int axis = 0; axis < 2; ++axis)
       D[axis] += of_s[axis] * first * of_both.transpose() +
                  q * (slope[b][axis] * slope[a] + slope[a][axis] * slope[b]).transpose() +
@@ -292,7 +293,7 @@ Vec2 trace_point(const Kernel& k, const Triangle& t, int edge, int point) {
   const Vec2& to = t.x[(edge + 2) % 3];
   const double own = k.trace.s[point], along = t.forward[edge] ? own : 1 - own;
   const Vec2 on_chord = from + along * (to - from);
-  return t.bow[edge] ? Vec2(on_chord + own * (1 - own) * height(*t.bow[edge], own)) : on_chord;
+  return t.curvature[edge] ? Vec2(on_chord + own * (1 - own) * height(*t.curvature[edge], own)) : on_chord;
 }
 
 Condensed condense(const Kernel& k, const Triangle& t, const Material& material, const ForceMoments& force,

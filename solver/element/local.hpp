@@ -5,7 +5,7 @@
 #include "base/quadrature.hpp"
 #include "kerf/scene.hpp"
 #include "kerf/state.hpp"
-#include "solver/element/bow.hpp"
+#include "solver/element/edge_curvature.hpp"
 #include "solver/element/spaces.hpp"
 
 #include <array>
@@ -22,18 +22,18 @@ struct Triangle {
                                            Eigen::Matrix3d::Identity()};
   // Per edge its frames at the Gauss points where they differ along it (curved cracks), or nothing.
   std::array<const Mat2*, 3> bent = {nullptr, nullptr, nullptr};
-  // Per edge how it bows out, or nothing where it is straight.
-  std::array<const Bow*, 3> bow = {nullptr, nullptr, nullptr};
+  // Per edge how it curves, or nothing where it is straight.
+  std::array<const EdgeCurvature*, 3> curvature = {nullptr, nullptr, nullptr};
 };
 
 inline bool is_curved(const Triangle& t) {
-  return t.bow[0] || t.bow[1] || t.bow[2];
+  return t.curvature[0] || t.curvature[1] || t.curvature[2];
 }
-/// Triangle t of a mesh, its edges without frames. The bows must outlive it.
-Triangle cell_of(const Mesh& mesh, const Bows& bows, Index t);
+/// Triangle t of a mesh, its edges without frames. The curvatures must outlive it.
+Triangle cell_of(const Mesh& mesh, const EdgeCurvatures& curvatures, Index t);
 /// With straight edges instead.
 inline Triangle chords_of(Triangle t) {
-  t.bow = {};
+  t.curvature = {};
   return t;
 }
 

@@ -19,7 +19,7 @@ void for_each_point(const Kernel& k, const Triangle& t, const Visit& visit) {
     for (int g = 0; g < points; ++g) {
       const double s = k.trace.s[g];
       visit(2 * (points * e + g), frame_at(t, e, g), a, b, s,
-            t.bow[e] ? Vec2(s * (1 - s) * height(*t.bow[e], s)) : Vec2::Zero().eval());
+            t.curvature[e] ? Vec2(s * (1 - s) * height(*t.curvature[e], s)) : Vec2::Zero().eval());
     }
   }
   if (k.element.at_vertices == AtVertices::Displacement)

@@ -140,7 +140,7 @@ EdgeTraces edge_traces(const Model& m, const Field& s, Index t, const EdgeRule& 
     const Index edge = m.mesh.edges_of[t][e];
     const double chord = length(m.mesh, edge);
     for (int g = 0; g < edge_points; ++g) {
-      const OnEdge at = on_edge(m.mesh, m.inner->skeleton.bows, edge, rule.s[g]);
+      const OnEdge at = on_edge(m.mesh, m.inner->skeleton.curvatures, edge, rule.s[g]);
       x.col(edge_points * e + g) = at.x;
       tau.col(edge_points * e + g) = at.slope / chord;  // of a curved edge per length of its chord
     }
@@ -251,10 +251,10 @@ Vec2 jump_slope(const Model& m, const Field& s, Index e, double at) {
       (2 * step * length(m.mesh, e));
   Vec2 sum = Vec2::Zero();
   for (Eigen::Index g = 0; g < slope.size(); ++g)
-    sum +=
-        slope[g] * (bow_at(m.inner->skeleton.bows, e) ? Vec2(frame_at(m.inner->skeleton, e, static_cast<int>(g)) *
-                                                             s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g))
-                                                      : Vec2(s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g)));
+    sum += slope[g] * (curvature_at(m.inner->skeleton.curvatures, e)
+                           ? Vec2(frame_at(m.inner->skeleton, e, static_cast<int>(g)) *
+                                  s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g))
+                           : Vec2(s.skeleton.segment<2>(m.inner->skeleton.jump[e] + 2 * g)));
   return sum;
 }
 
@@ -295,7 +295,7 @@ struct EdgeResiduals {
     jump -= traces[other].col(edge_points * j + g);
     if (m.inner->skeleton.jump[e] == none) return jump;
     const double sign = m.mesh.sides[e][0] == t ? 1 : -1;  // the jump is right minus left
-    if (bow_at(m.inner->skeleton.bows, e))
+    if (curvature_at(m.inner->skeleton.curvatures, e))
       return frame_between(m.mesh, m.inner->skeleton, e, rule.s[g]).transpose() *
              (jump + sign * jump_slope(m, s, e, rule.s[g]));
     return m.inner->skeleton.frame[e].transpose() * jump + sign * jump_slope(m, s, e, rule.s[g]);

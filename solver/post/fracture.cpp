@@ -347,7 +347,7 @@ std::vector<Face> faces_beside(const Model& model, const Beside& crack) {
     for (std::size_t k = 0; k < count; ++k) {
       const CrackPoint& p = tip.at_start ? profile[i * count + k] : profile[profile.size() - 1 - i * count - k];
       const Vec2 x = tip.frame.transpose() * (p.at - tip.at), along = tip.vertices[i + 1] - tip.vertices[i];
-      const bool bowed = edge ? bow_at(model.inner->skeleton.bows, edge->edge) != nullptr : tip.follows;
+      const bool bowed = edge ? curvature_at(model.inner->skeleton.curvatures, edge->edge) != nullptr : tip.follows;
       face.t.push_back(bowed ? trace_place(model, face.along_edge, static_cast<int>(k))
                              : (x - tip.vertices[i]).dot(along) / along.squaredNorm());
       face.points.push_back(p);
@@ -579,7 +579,7 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
     if (a.norm() >= disc.ring.front().outer) break;
     const Index e = here_edges[edge];
     const std::vector<Spot> all = e == none ? std::vector<Spot>() : spots(tip, edge);
-    const bool bowed = e != none && bow_at(model.inner->skeleton.bows, e);
+    const bool bowed = e != none && curvature_at(model.inner->skeleton.curvatures, e);
     Points x(2, static_cast<Eigen::Index>(all.size()));
     for (std::size_t i = 0; i < all.size(); ++i)
       x.col(static_cast<Eigen::Index>(i)) = tip.at + tip.frame * (bowed ? all[i].at : Vec2(a + all[i].place * (b - a)));

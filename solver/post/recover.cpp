@@ -485,12 +485,12 @@ CrackPoint::Status status_of(const CrackPoint& p, CrackLaw::Kind law, const Smal
 
 /// Along a curved edge by Gauss points of |dx/ds|.
 double length_along(const Model& model, Index edge) {
-  const Bows& bows = model.inner->skeleton.bows;
-  if (!bow_at(bows, edge)) return length(model.mesh, edge);
+  const EdgeCurvatures& curvatures = model.inner->skeleton.curvatures;
+  if (!curvature_at(curvatures, edge)) return length(model.mesh, edge);
   static const EdgeRule rule = gauss(8);
   double sum = 0;
   for (Eigen::Index q = 0; q < rule.s.size(); ++q)
-    sum += rule.w[q] * on_edge(model.mesh, bows, edge, rule.s[q]).slope.norm();
+    sum += rule.w[q] * on_edge(model.mesh, curvatures, edge, rule.s[q]).slope.norm();
   return sum;
 }
 
@@ -514,7 +514,7 @@ std::vector<CrackPoint> crack_profile(const Model& model, const Field& field, In
       const double along = rule.s[g];
       CrackPoint p{};
       p.s = done + l * (c.forward ? along : 1 - along);
-      const OnEdge on = on_edge(model.mesh, model.inner->skeleton.bows, c.edge, along);
+      const OnEdge on = on_edge(model.mesh, model.inner->skeleton.curvatures, c.edge, along);
       p.at = on.x;
       p.length = on.slope.norm() * rule.w[g];
       if (fluid) p.fluid_pressure = fluid(p.at, normal(model.mesh, c.edge))[0];

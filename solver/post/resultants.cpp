@@ -42,12 +42,12 @@ class Holding {
     for (int g = 0; g < skeleton.per_edge / 2; ++g) {
       Vec2 force = Vec2::Zero();
       for (Eigen::Index q = 0; q < k.edge.s.size(); ++q) {
-        const OnEdge p = on_edge(m_.mesh, skeleton.bows, e, k.edge.s[q]);
+        const OnEdge p = on_edge(m_.mesh, skeleton.curvatures, e, k.edge.s[q]);
         const Vec2 n = normal_at(p, line.n) / l;  // times the length of the curve over that of the chord
         const Vec2 traction = tensor(stress_at(k, shape, s_.interior.col(t), p.x)) * n;
         force += l * k.edge.w[q] * k.trace_at_edge(g, q) * traction;
       }
-      const Vec2 at = on_edge(m_.mesh, skeleton.bows, e, k.trace.s[g]).x;
+      const Vec2 at = on_edge(m_.mesh, skeleton.curvatures, e, k.trace.s[g]).x;
       for (int d = 0; d < 2; ++d) {
         const Index unknown = edge_unknown(skeleton, e) + 2 * g + d;
         if (!skeleton.fixed[unknown]) continue;
@@ -108,7 +108,7 @@ void add_nodes(const Model& m, const Field& state, std::vector<LabelResultant>& 
 }  // namespace
 
 /// Values are those at the Gauss points of the data; on a curved edge per length of its chord.
-std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bows, const Scene& scene,
+std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const EdgeCurvatures& curvatures, const Scene& scene,
                                                 const SceneData& data) {
   const EdgeRule rule = gauss(data_points);
   std::vector<LabelResultant> all;
@@ -118,18 +118,18 @@ std::vector<LabelResultant> traction_resultants(const Mesh& mesh, const Bows& bo
       const Index e = labeled(data, data.tractions[i].label)[j];
       const double l = length(mesh, e);
       for (int q = 0; q < data_points; ++q)
-        r.add(on_edge(mesh, bows, e, rule.s[q]).x, l * rule.w[q] * data.tractions[i].values[j].at.col(q));
+        r.add(on_edge(mesh, curvatures, e, rule.s[q]).x, l * rule.w[q] * data.tractions[i].values[j].at.col(q));
     }
   }
   return all;
 }
 
-Resultant body_resultant(const Mesh& mesh, const Bows& bows, const Scene& scene, const SceneData& data,
+Resultant body_resultant(const Mesh& mesh, const EdgeCurvatures& curvatures, const Scene& scene, const SceneData& data,
                          const TriangleRule& rule) {
   Resultant r;
   if (!scene.body) return r;
   for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t) {
-    const Triangle cell = cell_of(mesh, bows, t);
+    const Triangle cell = cell_of(mesh, curvatures, t);
     const Points x = rule_points(rule, cell), force = body_force(data, scene, t, x);
     const Eigen::VectorXd w = rule_weights(rule, cell);
     for (Eigen::Index q = 0; q < x.cols(); ++q) r.add(x.col(q), area(cell) * w[q] * force.col(q));

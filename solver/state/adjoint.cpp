@@ -15,7 +15,7 @@
 #include "kerf/recover.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/solve.hpp"
-#include "solver/system/half_solved.hpp"
+#include "solver/system/partial_forward.hpp"
 #include "solver/system/refine.hpp"
 
 #include <fmt/core.h>
@@ -464,7 +464,7 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const Tange
   const Eigen::VectorXd F = loads.F;
   const PenaltyIterate solution = solve_tangent({condensed, cone, std::move(loads), dual_jumps(m, dJ, cone), F},
                                                 uniform, TangentSolver::to_rounding, refining, adjoint);
-  const Twofold values = on_skeleton(m, solution, std::vector<double>(m.inner->skeleton.total, 0));
+  const DoubleDouble values = on_skeleton(m, solution, std::vector<double>(m.inner->skeleton.total, 0));
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   adjoint.force.setZero(m.inner->skeleton.total);
   adjoint.interior.resize(interior_count(m.element), triangles);
@@ -509,7 +509,7 @@ struct ConeSolver::Impl {
   struct Traced {
     TangentField field;
     PenaltyIterate solution;
-    Twofold values;
+    DoubleDouble values;
   };
 
   // The condensed solution alone: the interiors, the larger part of the work, follow where they are asked for.
@@ -578,7 +578,7 @@ TangentField ConeSolver::solve(const Eigen::VectorXd& load, const std::vector<do
 
 namespace {
 
-using Columns = std::vector<HalfSolved::Column>;
+using Columns = std::vector<PartialForward::Column>;
 
 // What a substitution takes of a cone's problem: the loads less what the prescribed values do, a column per problem.
 class Halves {
@@ -610,7 +610,7 @@ class Halves {
 
   /// The reading by the skeleton, and what it finds in the prescribed values.
   /// The dual load of a triangle is the derivative of the reading by its traces, the interior eliminated (A.6).
-  std::pair<HalfSolved::Column, double> of_reading(const Reading& r) const {
+  std::pair<PartialForward::Column, double> of_reading(const Reading& r) const {
     const SkeletonVector by =
         condense_dual(m_.inner->kernel, triangle(m_, r.t), material_of(m_.mesh, m_.scene, r.t), r.weights).F;
     const Seen view = seen(m_.mesh, m_.inner->skeleton, r.t);
@@ -649,7 +649,7 @@ std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span
   const Model& m = impl_->condensed.m;
   const Ordering& o = m.inner->ordering;
   if (m.inner->system.penalty > 0 || impl_->condensed.sliding || !is_definite(m.element) || !m.inner->factor ||
-      m.inner->factor->leading() || o.size == 0 || !m.inner->standing.empty())  // then the factor has springs
+      m.inner->factor->leading() || o.size == 0 || !m.inner->semicoercive.empty())  // then the factor has springs
     return std::nullopt;
   const Halves halves(m, loads);
   Columns columns = halves.of_loads();
@@ -663,7 +663,7 @@ std::optional<Eigen::VectorXd> ConeSolver::read(const FewLoads& loads, std::span
   for (Index i = 0; i < o.contact_rows; ++i)
     if (impl_->cone.held[i]) columns.push_back({{o.leading() + i, 1.0}});
   // All rows moving, less the forces that keep those that are held.
-  Eigen::MatrixXd products = HalfSolved(*m.inner->factor).add(columns);
+  Eigen::MatrixXd products = PartialForward(*m.inner->factor).add(columns);
   if (const Eigen::Index held = products.rows() - problems - count; held > 0) {
     const Eigen::MatrixXd forces =
         solve_spd(products.bottomRightCorner(held, held), products.bottomLeftCorner(held, problems));

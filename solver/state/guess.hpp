@@ -6,7 +6,7 @@
 namespace kerf {
 
 /// Of a mesh that has parts of the cracks' paths alone: per crack how far along its path each of its edges begins, and
-/// the length of the path (MeshPart, geometry/spread.hpp).
+/// the length of the path (MeshPart, geometry/mesh_part.hpp).
 struct PartOfPaths {
   const std::vector<std::vector<double>>& from;
   const std::vector<double>& whole;

@@ -33,7 +33,7 @@ Eigen::VectorXd support_forces(const Model& m, const Field& s) {
     const Vec2 outward = outward_normal(m.mesh, e);
     for (int g = 0; g < static_cast<int>(trace.s.size()); ++g) {
       if (!skeleton.fixed[first + 2 * g] && !skeleton.fixed[first + 2 * g + 1]) continue;
-      const OnEdge p = on_edge(m.mesh, skeleton.bows, e, trace.s[g]);
+      const OnEdge p = on_edge(m.mesh, skeleton.curvatures, e, trace.s[g]);
       const Vec2 traction = trace.w[g] *
                             (tensor(stress_at(m.inner->kernel, shape, s.interior.col(t), p.x)) * normal_at(p, outward)),
                  along = frame_at(skeleton, e, g).transpose() * traction;

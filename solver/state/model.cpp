@@ -13,9 +13,9 @@
 #include "base/kept_memory.hpp"
 #include "geometry/adapt.hpp"
 #include "geometry/topology.hpp"
+#include "solver/divided_body.hpp"
 #include "solver/history.hpp"
 #include "solver/moved.hpp"
-#include "solver/spread.hpp"
 #include "solver/state/guess.hpp"
 #include "solver/system.hpp"
 #include "solver/system/corner_loads.hpp"
@@ -41,7 +41,7 @@ struct Loaded {
   Scene& scene;
   SceneData data;
   int threads;
-  const Bows& bows;
+  const EdgeCurvatures& curvatures;
 };
 
 // Loads in equilibrium hold a body that is in one piece by themselves.
@@ -77,7 +77,7 @@ std::vector<RigidMotion> check_supports(const Mesh& mesh, const Kernel& k, const
   constexpr double exact = 1e-12;
   if (worst > exact) {
     scene = balanced(std::move(scene), motions, shares(mesh, k, s, motions, work));
-    loaded.data = scene_data(mesh, scene, k.load, loaded.threads, loaded.bows);
+    loaded.data = scene_data(mesh, scene, k.load, loaded.threads, loaded.curvatures);
     note +=
         fmt::format("; their remaining imbalance, {:.2g} of their absolute work, is balanced by a body force", worst);
   }
@@ -150,20 +150,20 @@ void check_contact(const Mesh& mesh, const Scene& scene, Index rows) {
 // Moved into a Model in the end. `held`, `start` and `own` are filled by those who need them.
 struct Prepared {
   /// `like`: of the same body under other loads, or null.
-  /// Under other loads the pins must be those of `like`: its factor has no rows for them. Standing pieces come last,
-  /// because they may add rows in contact to the numbering.
+  /// Under other loads the pins must be those of `like`: its factor has no rows for them. Semicoercive pieces come
+  /// last, because they may add rows in contact to the numbering.
   Prepared(Mesh of, Kernel by, Scene under, int on, const Skeleton* like = nullptr)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
-    const Bows bows = bows_of(mesh, kernel.element);
-    Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads, bows), threads, bows};
-    skeleton = number(mesh, kernel, {scene, loaded.data}, bows);
+    const EdgeCurvatures curvatures = curvatures_of(mesh, kernel.element);
+    Loaded loaded{scene, scene_data(mesh, scene, kernel.load, threads, curvatures), threads, curvatures};
+    skeleton = number(mesh, kernel, {scene, loaded.data}, curvatures);
     note_corner_loads(mesh, kernel, scene, skeleton, loaded.data, notes);
     floating = check_supports(mesh, kernel, skeleton, loaded, notes);
     if (!floating.empty() && like && like->total == skeleton.total)
       skeleton.fixed = with_pins(like->fixed);
     else if (!floating.empty())
       for (const Index pin : pins(mesh, kernel, skeleton, floating, pieces_of(mesh, scene))) skeleton.fixed[pin] = true;
-    standing = standing_pieces(mesh, kernel, scene, skeleton);
+    semicoercive = semicoercive_pieces(mesh, kernel, scene, skeleton);
     data = std::move(loaded.data);
   }
 
@@ -171,9 +171,9 @@ struct Prepared {
   struct Part {};
   Prepared(Mesh of, Kernel by, Scene under, int on, Part)
       : mesh(std::move(of)), kernel(std::move(by)), scene(std::move(under)), threads(on) {
-    const Bows bows = bows_of(mesh, kernel.element);
-    data = scene_data(mesh, scene, kernel.load, threads, bows);
-    skeleton = number(mesh, kernel, {scene, data}, bows);
+    const EdgeCurvatures curvatures = curvatures_of(mesh, kernel.element);
+    data = scene_data(mesh, scene, kernel.load, threads, curvatures);
+    skeleton = number(mesh, kernel, {scene, data}, curvatures);
   }
 
   /// As many more are fixed there as there are motions: the pins, which are those of the supports alone.
@@ -189,7 +189,7 @@ struct Prepared {
   /// Whether contact goes without its dense matrix.
   /// Interfaces are read off the last block of a factor and springs act on it, which a factor per set does not have.
   bool is_large(Index contact_rows, const Preparation& how) const {
-    return how.factorize && contact_rows > how.most_dense && how.interface_edges.empty() && standing.empty() &&
+    return how.factorize && contact_rows > how.most_dense && how.interface_edges.empty() && semicoercive.empty() &&
            skeleton.unseen.empty() && is_definite(kernel.element);
   }
 
@@ -203,7 +203,7 @@ struct Prepared {
             .seconds = seconds,
             .inner = std::make_shared<Inner>(Inner{std::move(kernel), std::move(skeleton), std::move(ordering),
                                                    std::move(system), std::move(factor), std::move(floating),
-                                                   std::move(data), std::move(standing), std::move(held),
+                                                   std::move(data), std::move(semicoercive), std::move(held),
                                                    std::move(start), std::move(own)})};
   }
 
@@ -215,7 +215,7 @@ struct Prepared {
   std::vector<std::string> notes;
   std::vector<RigidMotion> floating;
   SceneData data;
-  Standing standing;
+  Semicoercive semicoercive;
   std::shared_ptr<HeldFactors> held;
   std::vector<Motion> start;
   std::optional<OwnShare> own;
@@ -266,9 +266,9 @@ bool can_be_rounded(const Prepared& made, const Element& e, const Preparation& h
 
 /// With the springs that hold what contact alone holds.
 /// The first entry of a column is its diagonal.
-LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Standing& standing) {
+LowerTriangle sprung(const LowerTriangle& k, const Ordering& o, const Semicoercive& semicoercive) {
   LowerTriangle held = k;
-  for (Index i = 0; i < o.contact_rows; ++i) held.values[held.start[o.leading() + i]] += standing.springs[i];
+  for (Index i = 0; i < o.contact_rows; ++i) held.values[held.start[o.leading() + i]] += semicoercive.springs[i];
   return held;
 }
 
@@ -335,7 +335,7 @@ Floating floating_of(const Model& m, int divisions) {
   const Inner& inner = *m.inner;
   if (inner.floating.empty()) return {};
   Floating f{.motions = inner.floating};
-  const Skeleton unpinned = number(m.mesh, inner.kernel, {m.scene, inner.data}, inner.skeleton.bows);
+  const Skeleton unpinned = number(m.mesh, inner.kernel, {m.scene, inner.data}, inner.skeleton.curvatures);
   for (const Index u : pins(m.mesh, inner.kernel, unpinned, f.motions)) {
     const auto& [a, b] = m.mesh.edges[u / unpinned.per_edge];
     Pin p{{m.mesh.points[a], m.mesh.points[b]}, static_cast<int>(u % unpinned.per_edge)};
@@ -431,8 +431,8 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
       assemble({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain});
   seconds.assemble = watch.lap() + numbering;
   try {
-    if (!made.standing.empty())
-      hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.standing,
+    if (!made.semicoercive.empty())
+      hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.semicoercive,
            made.notes);
   } catch (const CoarseFeet& feet) {
     constexpr double smallest = 1e-4;  // of the largest edge
@@ -456,8 +456,8 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
     return std::move(made).model(std::move(ordering), std::move(system), nullptr, seconds);
   }
   const std::shared_ptr<const LowerTriangle> K =
-      made.standing.empty() ? system.K
-                            : std::make_shared<const LowerTriangle>(sprung(*system.K, ordering, made.standing));
+      made.semicoercive.empty() ? system.K
+                                : std::make_shared<const LowerTriangle>(sprung(*system.K, ordering, made.semicoercive));
   if (ranks && is_worth_parts(made.mesh, *ranks, made.notes)) {
     const Assembly from{made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain};
     auto factor =
@@ -497,8 +497,9 @@ Model reloaded(const Model& m, Scene scene, const Field* before, bool with_matri
   System system =
       assemble_loads({made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, m.threads, false},
                      m.inner->system, with_matrix);
-  if (!made.standing.empty())
-    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.standing, made.notes);
+  if (!made.semicoercive.empty())
+    hold({made.mesh, made.kernel, made.scene, made.skeleton, ordering}, *system.K, system.F, made.semicoercive,
+         made.notes);
   ModelSeconds seconds;
   seconds.assemble = watch.lap();
   made.held = m.inner->held;
@@ -545,7 +546,7 @@ Triangle triangle(const Model& model, Index t) {
 
 /// A mesh without arcs has no curved triangle: its areas need no map.
 double cell_area(const Model& m, Index t) {
-  return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(cell_of(m.mesh, m.inner->skeleton.bows, t));
+  return m.mesh.arc.empty() ? area(m.mesh, t) : cell_area(cell_of(m.mesh, m.inner->skeleton.curvatures, t));
 }
 
 void require_straight(const Model& m, std::string_view what) {

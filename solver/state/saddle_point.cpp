@@ -438,7 +438,7 @@ State solve_saddle_point(const Model& m) {
   if (std::ranges::any_of(m.scene.laws, has_gap))
     throw Error(Fault::Usage,
                 "the saddle-point system (backend \"umfpack\") knows no gap of a crack; use the backend \"cholmod\"");
-  if (!m.inner->standing.empty())
+  if (!m.inner->semicoercive.empty())
     throw Error(Fault::Usage,
                 "the saddle-point system (backend \"umfpack\") needs a support on every piece of the body; use the "
                 "backend \"cholmod\"");

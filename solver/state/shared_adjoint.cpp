@@ -25,7 +25,8 @@ namespace {
 
 /// The interiors of a field: find(triangle, its shape, what strains it, Penalty).
 template <typename Find>
-void fill_interior(const Model& m, const Twofold& x, const Eigen::VectorXd& theta, const Find& find, Field& field) {
+void fill_interior(const Model& m, const DoubleDouble& x, const Eigen::VectorXd& theta, const Find& find,
+                   Field& field) {
   const auto triangles = static_cast<Index>(m.mesh.triangles.size());
   field.interior.resize(interior_count(m.element), triangles);
   parallel_for(triangles, m.threads, [&](Index begin, Index end) {
@@ -57,7 +58,7 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
     double most = 0;
     for (Index u = 0; u < s.total; ++u)
       if (owns(model, u) && moves(u)) most = std::max(most, std::abs(force[u]));
-    peers.largest({&most, 1});
+    comm.largest({&most, 1});
     return most;
   };
   at.unmet = forces_of(at.x, at.theta) - problem.load;
@@ -91,7 +92,7 @@ std::vector<ContactStatus> SharedBody::Impl::status(const Field& state) {
   std::vector<ContactStatus> own;
   for (const Index u : own_contact)
     own.push_back(here[static_cast<std::size_t>(model.inner->ordering.row[u] - leading_rows())]);
-  return gathered(peers, own);
+  return gathered(comm, own);
 }
 
 std::vector<SlidingPoint> SharedBody::Impl::sliding(const Field& state, const std::vector<bool>& held) {
@@ -137,7 +138,7 @@ void SharedBody::Impl::tie(Problem& problem, const std::vector<SlidingPoint>& sl
 TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ) {
   if (!model.inner->floating.empty()) {
     Eigen::VectorXd work = work_on_motions(model, dJ);
-    peers.sum({work.data(), static_cast<std::size_t>(work.size())});
+    comm.sum({work.data(), static_cast<std::size_t>(work.size())});
     dJ = without_moments(model, std::move(dJ), solve_spd(gram(), work));
   }
   DualLoads loads = dual_loads(model, dJ);

@@ -1,7 +1,7 @@
 #pragma once
-// What SharedBody (solver/spread.hpp) has inside.
+// What SharedBody (solver/divided_body.hpp) has inside.
 
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 #include "solver/state/guess.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/elementwise.hpp"
@@ -41,7 +41,7 @@ struct ContactCell {
 
 struct SharedBody::Impl {
   Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
-       const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole);
+       const std::vector<Index>& of_whole, Communicator& with, const std::shared_ptr<const Mesh>& whole);
 
   // Motions that the supports leave free.
 
@@ -60,7 +60,7 @@ struct SharedBody::Impl {
   /// Rows of which the system holds another set.
   std::vector<Index> exchanged_rows(const std::vector<bool>& rows) const;
   /// Moves x by what these forces per unknown do; rows that are held stay where they are. Returns the change.
-  Eigen::VectorXd settle(const Eigen::VectorXd& forces, Twofold& x);
+  Eigen::VectorXd settle(const Eigen::VectorXd& forces, DoubleDouble& x);
   /// K x of the triangles at rows in contact alone: all of it where x is nothing but jumps there, and for any x on
   /// these rows.
   Eigen::VectorXd forces_at_contact(const Eigen::VectorXd& x);
@@ -96,13 +96,13 @@ struct SharedBody::Impl {
   Index jump_at(Index base) const;
 
   /// Moves x by what own rows do, as all see it.
-  void move(const Eigen::VectorXd& own, Twofold& x);
+  void move(const Eigen::VectorXd& own, DoubleDouble& x);
   /// K x, with what the strains theta of the penalty add [theory: E.12]: by the matrices of triangles, kept.
-  Eigen::VectorXd forces_of(const Twofold& x, const Eigen::VectorXd& theta);
+  Eigen::VectorXd forces_of(const DoubleDouble& x, const Eigen::VectorXd& theta);
 
   /// What one round is judged by.
   struct Round {
-    Twofold x;                     // per unknown: bodies move by far more than they are strained
+    DoubleDouble x;                // per unknown: bodies move by far more than they are strained
     Eigen::VectorXd theta, unmet;  // per triangle, per unknown
     std::vector<Motion> motion;    // per row in contact of all
     double penalty_error = 0;      // PenaltyIterate::penalty_error
@@ -162,7 +162,7 @@ struct SharedBody::Impl {
     return model.inner->ordering.leading();
   }
 
-  Peers& peers;
+  Communicator& comm;
   std::vector<std::vector<Index>> shown, also_here;  // MeshPart::shown, seen
   std::vector<Index> process;                        // per triangle
   Model model;

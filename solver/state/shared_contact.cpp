@@ -40,7 +40,7 @@ void SharedBody::Impl::hold(const std::vector<bool>& rows) {
   if (now.solver) {
     const std::vector<Index> differ = exchanged_rows(rows);
     const auto missing = std::ranges::count_if(differ, [&](Index row) { return !exchanged.contains(row); });
-    if (differ.size() > most_exchanged || static_cast<std::size_t>(missing) > worth(now.total / peers.count()))
+    if (differ.size() > most_exchanged || static_cast<std::size_t>(missing) > worth(now.total / comm.count()))
       make_system(rows);
   } else {
     make_system(rows);
@@ -53,7 +53,7 @@ void SharedBody::Impl::hold(const std::vector<bool>& rows) {
 ExchangedRow SharedBody::Impl::exchange(Index row) {
   const Skeleton& s = model.inner->skeleton;
   const auto none_of = [&]() -> Eigen::VectorXd { return Eigen::VectorXd::Zero(s.total); };
-  Twofold x{none_of(), none_of()};
+  DoubleDouble x{none_of(), none_of()};
   Eigen::VectorXd forces = none_of();
   for (Index u = s.base; u < s.total; ++u)
     if (contact_of[u] == row) (now.held[row] ? x.high : forces)[u] = 1;
@@ -71,7 +71,7 @@ ExchangedRow SharedBody::Impl::exchange(Index row) {
   return found;
 }
 
-Eigen::VectorXd SharedBody::Impl::forces_of(const Twofold& x, const Eigen::VectorXd& theta) {
+Eigen::VectorXd SharedBody::Impl::forces_of(const DoubleDouble& x, const Eigen::VectorXd& theta) {
   if (!products) products.emplace(model);
   Eigen::VectorXd forces = (*products)(x).forces;
   for (Index t = 0; t < static_cast<Index>(theta.size()); ++t) {
@@ -87,7 +87,7 @@ double SharedBody::Impl::work(const Eigen::VectorXd& forces, const Eigen::Vector
   double here = 0;
   for (Index u = 0; u < model.inner->skeleton.total; ++u)
     if (owns(model, u)) here += forces[u] * x[u];
-  return sum(peers, here);
+  return sum(comm, here);
 }
 
 Eigen::VectorXd SharedBody::Impl::forces_at_contact(const Eigen::VectorXd& x) {
@@ -104,7 +104,7 @@ Eigen::VectorXd SharedBody::Impl::forces_at_contact(const Eigen::VectorXd& x) {
                                         .K});
     }
   Eigen::VectorXd forces = Eigen::VectorXd::Zero(s.total);
-  const Twofold values{x, Eigen::VectorXd::Zero(s.total)};
+  const DoubleDouble values{x, Eigen::VectorXd::Zero(s.total)};
   for (const ContactCell& cell : contact_cells) {
     const Seen view = seen(model.mesh, s, cell.triangle);
     const Strained at = strained(model, values, cell.triangle);
@@ -116,10 +116,10 @@ Eigen::VectorXd SharedBody::Impl::forces_at_contact(const Eigen::VectorXd& x) {
   return forces;
 }
 
-Eigen::VectorXd SharedBody::Impl::settle(const Eigen::VectorXd& forces, Twofold& x) {
+Eigen::VectorXd SharedBody::Impl::settle(const Eigen::VectorXd& forces, DoubleDouble& x) {
   const std::vector<Index> rows = exchanged_rows(held);
   const Skeleton& s = model.inner->skeleton;
-  Twofold change{Eigen::VectorXd::Zero(s.total), Eigen::VectorXd::Zero(s.total)};
+  DoubleDouble change{Eigen::VectorXd::Zero(s.total), Eigen::VectorXd::Zero(s.total)};
   if (rows.empty()) {
     move(now.solver->solve(on_own_rows(forces)), change);
     add(x, 1, change.high);
@@ -138,7 +138,7 @@ Eigen::VectorXd SharedBody::Impl::settle(const Eigen::VectorXd& forces, Twofold&
       system(i, k) = (held[row] ? other.jumps : other.forces)[row];
     }
   }
-  peers.sum({asked.data(), static_cast<std::size_t>(n)});
+  comm.sum({asked.data(), static_cast<std::size_t>(n)});
   const Eigen::MatrixXd scaled = size.asDiagonal() * system * size.asDiagonal();
   const Eigen::VectorXd share = size.cwiseProduct(multiply(inverse(scaled), size.cwiseProduct(asked)));
   Eigen::VectorXd pushed = forces;

@@ -146,8 +146,8 @@ Contact contact_by_factors(const Condensation& condensed, ContactMethod method, 
 
 Contact contact_on(const Condensation& condensed, ContactMethod method, const Eigen::VectorXd& b,
                    const Eigen::VectorXd& y, const std::vector<Motion>& guess) {
-  if (const Standing& standing = condensed.m.inner->standing; !standing.empty())
-    return semicoercive({condensed.S, condensed.load(y), condensed.points, standing}, guess);
+  if (const Semicoercive& pieces = condensed.m.inner->semicoercive; !pieces.empty())
+    return semicoercive({condensed.S, condensed.load(y), condensed.points, pieces}, guess);
   switch (method) {
     case ContactMethod::DualQp:
       return dual_qp(condensed.S, condensed.load(y), condensed.points, guess);
@@ -228,10 +228,10 @@ double force_of_rounding(const Model& m) {
 
 // What the slip of the steps before [theory: C.28] would take if nothing answered it. Of an unloaded body that is all
 // there is to compare rounding with.
-struct Remembered {
+struct PreviousSlip {
   double force = 0, energy = 0;
 };
-Remembered remembered(const Model& m) {
+PreviousSlip remembered(const Model& m) {
   const Skeleton& skeleton = m.inner->skeleton;
   Eigen::VectorXd slip = Eigen::VectorXd::Zero(m.inner->ordering.size);
   for (Index u = skeleton.base; u < skeleton.total; ++u)
@@ -248,7 +248,7 @@ Remembered remembered(const Model& m) {
 Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const Model& m = condensed.m;
   const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
-  const Twofold values = on_skeleton(m, s, prescribed);
+  const DoubleDouble values = on_skeleton(m, s, prescribed);
   Balance balance = recover_interior(m, values, s.theta, state);
   const Eigen::VectorXd unmet = balance.forces - balance.loads, rest = on_rows(m, unmet);
   double largest = std::max(balance.loads.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()),
@@ -259,7 +259,7 @@ Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
       work += prescribed[u] * unmet[u];
     }
   const double rounding = force_of_rounding(m);
-  const Remembered before = remembered(m);
+  const PreviousSlip before = remembered(m);
   largest = std::max({largest, rounding, before.force});
   certify_iterate(condensed, {rest, largest}, s);
   work += s.force.dot(s.x);
@@ -439,9 +439,10 @@ std::vector<ContactPoint> contact_points(const Model& m) {
         p.normal = m.inner->ordering.row[unknown] - leading;
         if (m.inner->skeleton.frictional[unknown + 1]) {
           p.tangential = m.inner->ordering.row[unknown + 1] - leading;
-          p.slip_bound = law.slip_bound *
-                         on_edge(m.mesh, m.inner->skeleton.bows, c.edge, m.inner->kernel.trace.s[g]).slope.norm() *
-                         m.inner->kernel.trace.w[g];
+          p.slip_bound =
+              law.slip_bound *
+              on_edge(m.mesh, m.inner->skeleton.curvatures, c.edge, m.inner->kernel.trace.s[g]).slope.norm() *
+              m.inner->kernel.trace.w[g];
           p.friction = law.friction;
         }
         points.push_back(p);

@@ -284,8 +284,8 @@ System begun(const Assembly& from) {
   if (a.penalty > 0)
     a.traces.resize(skeleton_count(from.kernel.element) + 2, static_cast<Eigen::Index>(from.mesh.triangles.size()));
   a.force = empty_force(from);
-  a.alike = std::make_shared<const Alike>(from.mesh, from.kernel, from.skeleton, from.scene, from.data, a.penalty,
-                                          from.threads);
+  a.alike = std::make_shared<const CongruentTriangles>(from.mesh, from.kernel, from.skeleton, from.scene, from.data,
+                                                       a.penalty, from.threads);
   return a;
 }
 

@@ -2,7 +2,7 @@
 // The global condensed system: values of its matrix and right-hand side.
 
 #include "solver/factor.hpp"
-#include "solver/system/alike.hpp"
+#include "solver/system/congruent.hpp"
 #include "solver/system/ordering.hpp"
 
 namespace kerf {
@@ -17,7 +17,8 @@ struct System {
   Eigen::VectorXd F;
   Eigen::VectorXd tractions;  // their loads, per skeleton unknown
   Eigen::MatrixXd traces;     // with a penalty, per triangle Condensed::trace, own, by_theta
-  std::shared_ptr<const Alike> alike = std::make_shared<const Alike>();  // shared where loads alone differ
+  std::shared_ptr<const CongruentTriangles> alike =
+      std::make_shared<const CongruentTriangles>();  // shared where loads alone differ
 };
 
 /// What a system is assembled from.

@@ -96,26 +96,26 @@ MatrixXd orthonormal(const MatrixXd& columns, const VectorXd& diagonal) {
 // inside to the complement.
 class Bddc : public SharedSolver {
  public:
-  Bddc(RankPart part, Peers& peers, int threads, Precision precision)
-      : peers_(peers),
-        interface_(find_interface(part, peers)),
+  Bddc(RankPart part, Communicator& comm, int threads, Precision precision)
+      : peers_(comm),
+        interface_(find_interface(part, comm)),
         diagonal_(diagonal_of(part, interface_.rows)),
         rows_(part.rows),
         own_(rows_owned(part)),
         inside_(part, interface_.rows, threads, precision, given_),
         S_(std::move(given_)) {
-    effort_.parts = static_cast<int>(peers.count());
+    effort_.parts = static_cast<int>(comm.count());
     share_pieces();
     set_primal();
     std::array<double, 1> rows{counted().sum()};
-    peers.sum(rows);
+    comm.sum(rows);
     effort_.interface_rows = static_cast<int>(rows[0]);
     effort_.primal = static_cast<int>(coarse_.size());
     if (effort_.interface_rows > 0)
-      iteration_ = peers.iteration({.counted = counted(),
-                                    .multiply = [this](const VectorXd& x) { return multiply(x); },
-                                    .precondition = [this](const VectorXd& r) { return precondition(r); },
-                                    .primal = coarse_.size()});
+      iteration_ = comm.iteration({.counted = counted(),
+                                   .multiply = [this](const VectorXd& x) { return multiply(x); },
+                                   .precondition = [this](const VectorXd& r) { return precondition(r); },
+                                   .primal = coarse_.size()});
   }
 
   /// b on own rows alone: each row counts once in the sum over the processes. Inside rows are eliminated before and
@@ -362,7 +362,7 @@ class Bddc : public SharedSolver {
     effort_.other_mb = most[2];
   }
 
-  Peers& peers_;
+  Communicator& peers_;
   Interface interface_;
   VectorXd diagonal_;  // of K_p, on the interface
   Index rows_;
@@ -381,8 +381,8 @@ class Bddc : public SharedSolver {
 
 }  // namespace
 
-std::unique_ptr<SharedSolver> bddc(RankPart part, Peers& peers, int threads, Precision precision) {
-  return std::make_unique<Bddc>(std::move(part), peers, threads, precision);
+std::unique_ptr<SharedSolver> bddc(RankPart part, Communicator& comm, int threads, Precision precision) {
+  return std::make_unique<Bddc>(std::move(part), comm, threads, precision);
 }
 
 }  // namespace kerf

@@ -1,13 +1,14 @@
 #pragma once
 // Balancing domain decomposition by constraints, for the system that several processes share [theory: E.35, E.36].
 
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 namespace kerf {
 
 /// Of the sum of the parts that all processes have, who all call it with theirs. The inside of a part is eliminated
 /// exactly, conjugate gradients run on what parts share. `precision`: in which the
 /// factor of the inside is kept. Throws LostDefiniteness, and std::bad_alloc.
-std::unique_ptr<SharedSolver> bddc(RankPart part, Peers& peers, int threads, Precision precision = Precision::Double);
+std::unique_ptr<SharedSolver> bddc(RankPart part, Communicator& comm, int threads,
+                                   Precision precision = Precision::Double);
 
 }  // namespace kerf

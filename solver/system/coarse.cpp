@@ -47,14 +47,14 @@ std::vector<Index> sequence_of(const LowerTriangle& lower) {
 
 // Rounding can leave the sum indefinite: the diagonal is then raised by 1e-14 of itself, and ten times more each time
 // until a factor exists, by 1e-8 at most.
-Coarse::Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index total, Peers& peers)
-    : at_(at), total_(total), peers_(&peers) {
+Coarse::Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index total, Communicator& comm)
+    : at_(at), total_(total), peers_(&comm) {
   if (total == 0) return;
   Packer packer;
   packer.put(at);
   packer.put(S);
   const std::vector<std::string> from =
-      peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), std::move(packer).take()));
+      comm.exchange(std::vector<std::string>(static_cast<std::size_t>(comm.count()), std::move(packer).take()));
   SparseRows entries(static_cast<std::size_t>(total));
   for (const std::string& bytes : from) {
     Unpacker of(bytes);

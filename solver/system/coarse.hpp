@@ -1,8 +1,8 @@
 #pragma once
 // The small problem that all parts share.
 
+#include "solver/divided_body.hpp"
 #include "solver/factor.hpp"
-#include "solver/spread.hpp"
 
 namespace kerf {
 
@@ -12,7 +12,7 @@ class Coarse {
  public:
   Coarse() = default;
   /// All processes call it. `S`: of this one, onto the unknowns `at` of `total`.
-  Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index total, Peers& peers);
+  Coarse(const Eigen::MatrixXd& S, const std::vector<Index>& at, Index total, Communicator& comm);
 
   Index size() const {
     return total_;
@@ -24,7 +24,7 @@ class Coarse {
   std::unique_ptr<Factor> factor_;
   std::vector<Index> at_;
   Index total_ = 0;
-  Peers* peers_ = nullptr;
+  Communicator* peers_ = nullptr;
 };
 
 }  // namespace kerf

@@ -57,7 +57,7 @@ struct Traced {
 
 // What the right side of a crack sees, base plus jump, is summed before it is rounded: both may be large and nearly
 // cancel.
-Traced trace_exactly(const Model& m, const Twofold& values, Index t) {
+Traced trace_exactly(const Model& m, const DoubleDouble& values, Index t) {
   const Seen view = seen(m.mesh, m.inner->skeleton, t);
   const auto at = [&](Index u) -> Twice { return {values.high[u], values.low.size() > 0 ? values.low[u] : 0}; };
   Traced trace;
@@ -86,7 +86,7 @@ Eigen::VectorXd scattered_to_edges(const Model& m, const Eigen::MatrixXd& local)
 
 }  // namespace
 
-void add(Twofold& x, double share, const Eigen::VectorXd& y) {
+void add(DoubleDouble& x, double share, const Eigen::VectorXd& y) {
   if (x.low.size() == 0) x.low.setZero(x.high.size());
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     const Twice next = Twice{x.high[i], x.low[i]} + Twice{share * y[i], 0};
@@ -97,7 +97,7 @@ void add(Twofold& x, double share, const Eigen::VectorXd& y) {
 
 // The nearest rigid motion is found in double precision and subtracted in twice that; of what is left, small, the
 // share of the motions is taken out in double precision.
-Strained strained(const Model& m, const Twofold& values, Index t) {
+Strained strained(const Model& m, const DoubleDouble& values, Index t) {
   const Kernel& k = m.inner->kernel;
   const Triangle shape = triangle(m, t);
   const Traced trace = trace_exactly(m, values, t);
@@ -188,7 +188,7 @@ double penalty_at(const Model& m, Index t) {
 
 // `noise`: the energy that rounding of the trace makes, (1000 eps)^2 mu |x|^2 per triangle: of a body that moves as a
 // whole nothing else is left.
-Balance recover_interior(const Model& m, const Twofold& values, const Eigen::VectorXd& theta, Field& field) {
+Balance recover_interior(const Model& m, const DoubleDouble& values, const Eigen::VectorXd& theta, Field& field) {
   const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   const bool loaded = m.inner->system.force.cols() > 0;
   const bool penalized = m.inner->system.penalty > 0;
@@ -271,7 +271,7 @@ Elementwise::Elementwise(const Model& m) : m_(m) {
   });
 }
 
-Elementwise::Product Elementwise::operator()(const Twofold& values) const {
+Elementwise::Product Elementwise::operator()(const DoubleDouble& values) const {
   const int n = skeleton_count(m_.element);
   const Index triangles = static_cast<Index>(m_.mesh.triangles.size());
   Eigen::MatrixXd forces(n, triangles);

@@ -12,11 +12,11 @@ namespace kerf {
 double penalty_at(const Model& m, Index t);
 
 /// high + low: a vector in twice the precision. `low` has no size while it is 0.
-struct Twofold {
+struct DoubleDouble {
   Eigen::VectorXd high, low;
 };
 /// x + share y, without rounding at the size of x.
-void add(Twofold& x, double share, const Eigen::VectorXd& y);
+void add(DoubleDouble& x, double share, const Eigen::VectorXd& y);
 
 /// What one triangle sees: a rigid motion, and the rest, which alone strains it.
 struct Strained : MotionTraces {
@@ -28,7 +28,7 @@ struct Strained : MotionTraces {
   }
 };
 /// `values`: of all skeleton unknowns.
-Strained strained(const Model& m, const Twofold& values, Index t);
+Strained strained(const Model& m, const DoubleDouble& values, Index t);
 
 /// Of traces side by side, in straight triangles: `traces` (a row per unknown of the triangle) lose their rigid
 /// motions, whose translations and rotation about the centroid are the rows of the result.
@@ -48,7 +48,7 @@ struct Balance {
   double noise = 0;  // x'K x where x is a rigid motion but for its rounding: energies below are nothing
 };
 /// Fills in field.interior on the way. `theta`: per triangle, with a penalty.
-Balance recover_interior(const Model& m, const Twofold& values, const Eigen::VectorXd& theta, Field& field);
+Balance recover_interior(const Model& m, const DoubleDouble& values, const Eigen::VectorXd& theta, Field& field);
 
 /// K_T of every triangle, kept for products.
 class Elementwise {
@@ -58,7 +58,7 @@ class Elementwise {
     Eigen::VectorXd forces;  // sum_T P K_T P x, per skeleton unknown
     double energy = 0;       // x'forces, without its cancellation
   };
-  Product operator()(const Twofold& values) const;
+  Product operator()(const DoubleDouble& values) const;
 
  private:
   const Model& m_;

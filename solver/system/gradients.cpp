@@ -49,7 +49,7 @@ void SharedGradients::keep(const VectorXd& p, const VectorXd& Ap, double size) {
 
 // A start from the kept directions, x = P P'b with P'A P = I, is the solution on their span. r.z estimates the squared
 // error in the norm of the energy. Directions of steps in which rounding let nothing shrink are dropped again.
-std::unique_ptr<SharedIteration> Peers::iteration(SharedSystem system) {
+std::unique_ptr<SharedIteration> Communicator::iteration(SharedSystem system) {
   return std::make_unique<SharedGradients>(*this, std::move(system));
 }
 

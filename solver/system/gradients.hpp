@@ -1,7 +1,7 @@
 #pragma once
 // Conjugate gradients on what several processes share.
 
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 namespace kerf {
 
@@ -11,8 +11,8 @@ namespace kerf {
 class SharedGradients : public SharedIteration {
  public:
   /// All processes call the same functions. Of products the rows count that are `counted` here: each on one process.
-  SharedGradients(Peers& peers, SharedSystem system)
-      : peers_(peers),
+  SharedGradients(Communicator& comm, SharedSystem system)
+      : peers_(comm),
         system_(std::move(system)),
         counted_(system_.counted),
         p_(counted_.size(), 0),
@@ -22,7 +22,7 @@ class SharedGradients : public SharedIteration {
  private:
   void keep(const Eigen::VectorXd& p, const Eigen::VectorXd& Ap, double size);
 
-  Peers& peers_;
+  Communicator& peers_;
   SharedSystem system_;
   const Eigen::VectorXd& counted_;
   Eigen::MatrixXd p_, Ap_;  // columns: directions with p' A p = 1, and A p

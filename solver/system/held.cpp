@@ -119,9 +119,9 @@ bool HeldFactors::worth_bordering(const std::vector<Index>& changed) const {
 
 // small_ starts as -D; the products Y'Y are added in `border`. An entry between two rows held in the factor is in D if
 // both have columns; other entries go to the column of the released row.
-std::vector<HalfSolved::Column> HeldFactors::read_columns(const LowerTriangle& K, const std::vector<Index>& fresh) {
+std::vector<PartialForward::Column> HeldFactors::read_columns(const LowerTriangle& K, const std::vector<Index>& fresh) {
   const Index leading = K.size - contact_rows_;
-  std::vector<HalfSolved::Column> columns(fresh.size());
+  std::vector<PartialForward::Column> columns(fresh.size());
   std::vector<bool> released(contact_rows_, false);
   const Index first = static_cast<Index>(bordered_.size());
   for (std::size_t k = 0; k < fresh.size(); ++k) {
@@ -184,7 +184,7 @@ Eigen::VectorXd HeldFactors::multipliers(const std::vector<Index>& changed, cons
 
 // A search solves for the same loads on set after set: the first half is kept while the right-hand side is the same
 // number by number.
-const Eigen::VectorXd& HeldFactors::half_solved(Eigen::VectorXd right) {
+const Eigen::VectorXd& HeldFactors::partial_forward(Eigen::VectorXd right) {
   if (right_.size() != right.size() || right_ != right) {
     y_ = last_->forward(right);
     right_ = std::move(right);
@@ -217,9 +217,9 @@ Eigen::VectorXd HeldFactors::solve(const LowerTriangle& K, const std::vector<boo
   Eigen::VectorXd right = b;  // of rows that are held now alone a multiplier takes what stands there
   for (Index i = 0; i < contact_rows_; ++i)
     if (held_[i]) right[leading + i] = 0;
-  if (changed.empty()) return backward(K, half_solved(std::move(right)), on);
+  if (changed.empty()) return backward(K, partial_forward(std::move(right)), on);
   border(K, changed);
-  Eigen::VectorXd y = half_solved(std::move(right));
+  Eigen::VectorXd y = partial_forward(std::move(right));
   const Eigen::VectorXd share = multipliers(changed, y, b);
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(columns_->count());
   for (std::size_t k = 0; k < changed.size(); ++k) shares[number_[changed[k]]] = share[static_cast<Eigen::Index>(k)];

@@ -3,8 +3,8 @@
 
 #include "solver/contact/contact.hpp"
 #include "solver/factor.hpp"
-#include "solver/system/half_solved.hpp"
 #include "solver/system/ordering.hpp"
+#include "solver/system/partial_forward.hpp"
 
 #include <memory>
 #include <mutex>
@@ -42,12 +42,12 @@ class HeldFactors {
   std::vector<Index> changes(const std::vector<bool>& held) const;
   bool worth_bordering(const std::vector<Index>& changed) const;
   void border(const LowerTriangle& K, const std::vector<Index>& changed);
-  std::vector<HalfSolved::Column> read_columns(const LowerTriangle& K, const std::vector<Index>& fresh);
+  std::vector<PartialForward::Column> read_columns(const LowerTriangle& K, const std::vector<Index>& fresh);
   /// Jumps of released rows, less the forces on rows that are held now.
   Eigen::VectorXd multipliers(const std::vector<Index>& changed, const Eigen::VectorXd& y,
                               const Eigen::VectorXd& b) const;
   void factorize(const LowerTriangle& K);
-  const Eigen::VectorXd& half_solved(Eigen::VectorXd right);
+  const Eigen::VectorXd& partial_forward(Eigen::VectorXd right);
   const std::vector<EntryPlace>& couplings(const LowerTriangle& K);
   Eigen::VectorXd backward(const LowerTriangle& K, const Eigen::VectorXd& y, On on);
 
@@ -62,7 +62,7 @@ class HeldFactors {
   Eigen::VectorXd right_, y_;  // the last right-hand side, and L^-1 P of it: sets that follow each other share it
   // Of rows that are held in the factor and move, or the other way round: a column of K, without rows held in the
   // factor, or a unit vector.
-  std::optional<HalfSolved> columns_;
+  std::optional<PartialForward> columns_;
   std::vector<Index> number_;  // per row in contact that of its column, or none
   std::vector<Index> bordered_;
   Eigen::MatrixXd small_;  // products of all columns, less the entries of K where both rows are released

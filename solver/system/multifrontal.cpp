@@ -12,7 +12,7 @@
 #include "base/parallel.hpp"
 #include "kerf/stop.hpp"
 #include "solver/system/front_kernels.hpp"
-#include "solver/system/spares.hpp"
+#include "solver/system/memory_pool.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -117,7 +117,7 @@ struct Multifrontal::Run {
   Team& team;
   std::vector<double*> left = {};                    // per front what it leaves, a LowerHalf
   std::vector<std::unique_ptr<double[]>> kept = {};  // of roots of subtrees
-  Spares<Arena> free = {};
+  MemoryPool<Arena> free = {};
   std::atomic<bool> definite = true;
 
   Run(const Multifrontal& m, const LowerTriangle& k, Scalar* v, Eigen::MatrixXd& l, Team& t)

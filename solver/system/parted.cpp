@@ -26,7 +26,7 @@ namespace {
 struct PackedTriangle {
   Triangle shape;
   std::array<std::vector<Mat2>, 3> bent;
-  std::array<Bow, 3> bow;
+  std::array<EdgeCurvature, 3> curvature;
 };
 
 void put(const Triangle& t, int points, Packer& to) {
@@ -36,9 +36,9 @@ void put(const Triangle& t, int points, Packer& to) {
     to.put(t.forward[i]);
     to.put(t.bent[i] != nullptr);
     for (int g = 0; t.bent[i] && g < points; ++g) to.put(t.bent[i][g]);
-    to.put(t.bow[i] != nullptr);
-    if (t.bow[i])
-      for (const Vec2& q : t.bow[i]->q) to.put(q);
+    to.put(t.curvature[i] != nullptr);
+    if (t.curvature[i])
+      for (const Vec2& q : t.curvature[i]->q) to.put(q);
   }
 }
 
@@ -53,8 +53,8 @@ void get(Unpacker& from, int points, PackedTriangle& t) {
     t.shape.bent[i] = t.bent[i].empty() ? nullptr : t.bent[i].data();
     const bool curved = from.get<bool>();
     if (curved)
-      for (Vec2& q : t.bow[i].q) q = from.get<Vec2>();
-    t.shape.bow[i] = curved ? &t.bow[i] : nullptr;
+      for (Vec2& q : t.curvature[i].q) q = from.get<Vec2>();
+    t.shape.curvature[i] = curved ? &t.curvature[i] : nullptr;
   }
 }
 

@@ -52,15 +52,15 @@ Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton) {
   return rows;
 }
 
-Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& given) {
-  Twofold all{on_skeleton(m, s.x, &given), {}};
+DoubleDouble on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& given) {
+  DoubleDouble all{on_skeleton(m, s.x, &given), {}};
   if (s.low.size() > 0) all.low = on_skeleton(m, s.low, nullptr);
   return all;
 }
 
 // An enclosed body does not feel a uniform theta/a, so that its error must be watched here: as a pressure, relative to
 // the terms that it is the sum of.
-ThetaChange move_theta(const Model& m, const Loads& loads, const Twofold& skeleton, Eigen::VectorXd& theta) {
+ThetaChange move_theta(const Model& m, const Loads& loads, const DoubleDouble& skeleton, Eigen::VectorXd& theta) {
   const Eigen::VectorXd before = theta;
   Eigen::VectorXd size(theta.size()), change(theta.size());
   const Eigen::Index count = m.inner->system.traces.rows() - 2;
@@ -106,7 +106,7 @@ Eigen::VectorXd right_hand_side(const Model& m, const Loads& loads, const Penalt
 Condensation::Condensation(const Model& model) : m(model), points(contact_points(model)) {
   if (has_large_contact(m)) return;
   S = m.inner->factor->contact_complement();
-  m.inner->standing.release(S);
+  m.inner->semicoercive.release(S);
 }
 
 // |L^-1 b|^2, half a solve; with large contact a whole one.
@@ -132,7 +132,7 @@ Eigen::VectorXd solve_held(const Model& m, const Eigen::VectorXd& b, const std::
 
 Eigen::VectorXd Condensation::load(const Eigen::VectorXd& y) const {
   Eigen::VectorXd r = lower(m) * y.tail(m.inner->ordering.contact_rows);
-  if (const Eigen::MatrixXd& slides = m.inner->standing.slides; slides.cols() > 0)
+  if (const Eigen::MatrixXd& slides = m.inner->semicoercive.slides; slides.cols() > 0)
     r -= slides * (slides.transpose() * r);  // rounding: the loads do no work on it
   return r;
 }
@@ -286,7 +286,7 @@ void UniformPressure::correct(const Condensation& condensed, const Loads& loads,
                                                   : Eigen::VectorXd(scaled.ldlt().solve(weighed)),
                         delta = root.cwiseInverse().cwiseProduct(found);
   if (s.low.size() > 0) {  // a stiff material feels the rounding of x
-    Twofold x{std::move(s.x), std::move(s.low)};
+    DoubleDouble x{std::move(s.x), std::move(s.low)};
     for (Eigen::Index k = 0; k < delta.size(); ++k) add(x, delta[k], response.col(k));
     s.x = std::move(x.high);
     s.low = std::move(x.low);

@@ -36,14 +36,14 @@ Eigen::VectorXd on_skeleton(const Model& m, const Eigen::VectorXd& rows, const s
 Eigen::VectorXd on_rows(const Model& m, const Eigen::VectorXd& skeleton);
 
 /// All skeleton unknowns of an iterate.
-Twofold on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& elsewhere);
+DoubleDouble on_skeleton(const Model& m, const PenaltyIterate& s, const std::vector<double>& elsewhere);
 
 /// What a change of theta/a, the pressures, is judged by: the largest, and the largest of the terms that they sum.
 struct ThetaChange {
   double change = 0, size = 0;
 };
 /// theta = a mean(tr s) of the solution with these values of the skeleton.
-ThetaChange move_theta(const Model& m, const Loads& loads, const Twofold& skeleton, Eigen::VectorXd& theta);
+ThetaChange move_theta(const Model& m, const Loads& loads, const DoubleDouble& skeleton, Eigen::VectorXd& theta);
 /// The same of the present solution.
 void update_theta(const Model& m, const Loads& loads, PenaltyIterate& s);
 

@@ -28,21 +28,21 @@ std::vector<T> values_of(const std::string& bytes) {
 
 /// Per row the process that has it, too, or none. Who does not own a row tells its owner.
 /// A row of three parts would be an unknown at a vertex, which solving in parts does not take.
-std::vector<Index> other_side(const RankPart& part, Peers& peers) {
-  const std::vector<Index> counts = gathered(peers, std::vector<Index>{part.owned});
+std::vector<Index> other_side(const RankPart& part, Communicator& comm) {
+  const std::vector<Index> counts = gathered(comm, std::vector<Index>{part.owned});
   std::vector<Index> end(counts.size());  // of the numbers of each process
   std::partial_sum(counts.begin(), counts.end(), end.begin());
   std::vector<Index> other(static_cast<std::size_t>(part.rows), none);
   std::vector<std::vector<Index>> asked(counts.size());
   for (Index row = 0; row < part.rows; ++row) {
     const auto owner = static_cast<Index>(std::ranges::upper_bound(end, part.number[row]) - end.begin());
-    if (owner == peers.here()) continue;
+    if (owner == comm.here()) continue;
     other[row] = owner;
     asked[owner].push_back(part.number[row]);
   }
   std::vector<std::string> to;
   for (const std::vector<Index>& numbers : asked) to.push_back(bytes_of(numbers));
-  const std::vector<std::string> from = peers.exchange(to);
+  const std::vector<std::string> from = comm.exchange(to);
   for (std::size_t p = 0; p < from.size(); ++p)
     for (const Index number : values_of<Index>(from[p])) {
       const auto at = std::ranges::lower_bound(part.number, number);
@@ -77,16 +77,16 @@ std::vector<Index> joined_here(const RankPart& part, const std::vector<Index>& o
 
 // A piece needs the labels of both sides: two rows that are joined here may be apart beyond a crack that only the other
 // part sees.
-Interface find_interface(const RankPart& part, Peers& peers) {
-  const std::vector<Index> other = other_side(part, peers), here = joined_here(part, other);
+Interface find_interface(const RankPart& part, Communicator& comm) {
+  const std::vector<Index> other = other_side(part, comm), here = joined_here(part, other);
   // In the order of their numbers the rows of both sides are the same.
-  std::vector<std::vector<Index>> labels(static_cast<std::size_t>(peers.count()));
+  std::vector<std::vector<Index>> labels(static_cast<std::size_t>(comm.count()));
   for (Index row = 0; row < part.rows; ++row)
     if (other[row] != none) labels[other[row]].push_back(here[row]);
   std::vector<std::string> to;
   for (const std::vector<Index>& of : labels) to.push_back(bytes_of(of));
   std::vector<std::vector<Index>> there;
-  for (const std::string& from : peers.exchange(to)) there.push_back(values_of<Index>(from));
+  for (const std::string& from : comm.exchange(to)) there.push_back(values_of<Index>(from));
   using Key = std::tuple<Index, Index, Index>;  // the other process, labels of the lower and of the higher one
   std::vector<std::pair<Key, Index>> keys;
   std::vector<std::size_t> next(there.size(), 0);
@@ -95,7 +95,7 @@ Interface find_interface(const RankPart& part, Peers& peers) {
     if (with == none) continue;
     if (there[with].size() != labels[with].size()) throw std::logic_error("parts do not share the same rows");
     const Index beyond = there[with][next[with]++];
-    keys.emplace_back(with > peers.here() ? Key{with, here[row], beyond} : Key{with, beyond, here[row]}, row);
+    keys.emplace_back(with > comm.here() ? Key{with, here[row], beyond} : Key{with, beyond, here[row]}, row);
   }
   std::ranges::sort(keys);  // rows of a part are in the order of their numbers
   Interface found;
@@ -110,12 +110,12 @@ Interface find_interface(const RankPart& part, Peers& peers) {
 }
 
 // Own values plus those of the other process: the sum of two numbers is the same bits on both sides.
-void add_both_sides(const Interface& of, Peers& peers, Eigen::VectorXd& values) {
-  std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
+void add_both_sides(const Interface& of, Communicator& comm, Eigen::VectorXd& values) {
+  std::vector<std::string> to(static_cast<std::size_t>(comm.count()));
   for (const auto& n : of.neighbors)
     to[n.process].assign(reinterpret_cast<const char*>(values.data() + n.begin),
                          static_cast<std::size_t>(n.end - n.begin) * sizeof(double));
-  const std::vector<std::string> from = peers.exchange(to);
+  const std::vector<std::string> from = comm.exchange(to);
   for (const auto& n : of.neighbors)
     values.segment(n.begin, n.end - n.begin) += Eigen::Map<const Eigen::VectorXd, Eigen::Unaligned>(
         reinterpret_cast<const double*>(from[n.process].data()), n.end - n.begin);

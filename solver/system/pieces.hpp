@@ -1,7 +1,7 @@
 #pragma once
 // What a part shares with others, in connected pieces that both sides know in the same order.
 
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 namespace kerf {
 
@@ -25,9 +25,9 @@ struct Interface {
 
 /// All processes call it. Rows are in one piece where a chain of near rows (RankPart::near_rows) joins them on both
 /// sides. Each row is shared by two processes at most, by the one that owns it and another.
-Interface find_interface(const RankPart& part, Peers& peers);
+Interface find_interface(const RankPart& part, Communicator& comm);
 
 /// `values` of rows of the interface, those of both sides added.
-void add_both_sides(const Interface& of, Peers& peers, Eigen::VectorXd& values);
+void add_both_sides(const Interface& of, Communicator& comm, Eigen::VectorXd& values);
 
 }  // namespace kerf

@@ -90,7 +90,7 @@ int Refinement::solve(const Eigen::VectorXd& F, const std::vector<double>& presc
     const auto push = product_({on_skeleton(m, p, nullptr), {}});
     const double share = r.dot(p) / push.energy;
     if (!std::isfinite(share)) break;
-    Twofold x{std::move(s.x), std::move(s.low)};
+    DoubleDouble x{std::move(s.x), std::move(s.low)};
     add(x, share, p);
     s.x = std::move(x.high);
     s.low = std::move(x.low);

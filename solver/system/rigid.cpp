@@ -118,7 +118,7 @@ Eigen::VectorXd trace(const Mesh& mesh, const Kernel& k, const Skeleton& s, cons
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
     for (int g = 0; g < s.per_edge / 2; ++g)
       value.segment<2>(edge_unknown(s, e) + 2 * g) =
-          frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.bows, e, k.trace.s[g]).x);
+          frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.curvatures, e, k.trace.s[g]).x);
   for (Index c = 0; c < static_cast<Index>(s.corners.vertex.size()); ++c) {
     if (k.element.at_vertices == AtVertices::Rotation) value[corner_unknown(s, c)] = -motion.rotation;
     if (k.element.at_vertices == AtVertices::Displacement)
@@ -145,7 +145,7 @@ Work work_on(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Loading
     for (int g = 0; g < s.per_edge / 2 && counts(e); ++g) {
       const Vec2 load = loads.segment<2>(edge_unknown(s, e) + 2 * g);
       if (load.isZero(0)) continue;
-      const Vec2 moved = frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.bows, e, k.trace.s[g]).x);
+      const Vec2 moved = frame_at(s, e, g).transpose() * motion.at(on_edge(mesh, s.curvatures, e, k.trace.s[g]).x);
       for (int c = 0; c < 2; ++c) add(load[c] * moved[c]);
     }
   if (s.per_vertex > 0) {

@@ -58,8 +58,8 @@ void check_element(const Mesh& mesh, const Element& e, const Scene& scene) {
 }
 
 // Directions at a point of a curved edge: the normal of its polynomial on the side of `chord`, and that turned.
-Mat2 frame_on_bow(const Mesh& mesh, const Skeleton& s, Index e, double at, const Vec2& chord) {
-  const Vec2 n = normal_at(on_edge(mesh, s.bows, e, at), chord).normalized();
+Mat2 frame_on_curve(const Mesh& mesh, const Skeleton& s, Index e, double at, const Vec2& chord) {
+  const Vec2 n = normal_at(on_edge(mesh, s.curvatures, e, at), chord).normalized();
   return (Mat2() << n, Vec2(-n.y(), n.x())).finished();
 }
 
@@ -69,7 +69,7 @@ void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
   if (!is_mixed(k.element)) return;
   for (std::size_t crack = 0; crack < mesh.cracks.size(); ++crack) {
     for (const CrackEdge& c : mesh.cracks[crack]) {
-      const bool bowed = bow_at(s.bows, c.edge);
+      const bool bowed = curvature_at(s.curvatures, c.edge);
       if (!bowed && !scene.laws[crack].normal) continue;
       s.bent_at[c.edge] = static_cast<Index>(s.bent.size());
       const Vec2& a = mesh.points[mesh.edges[c.edge][0]];
@@ -77,7 +77,7 @@ void bend(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
       const Vec2 chord = normal(mesh, c.edge);
       for (int g = 0; g < points_per_edge(k.element); ++g) {
         if (bowed) {
-          s.bent.push_back(frame_on_bow(mesh, s, c.edge, k.trace.s[g], chord));
+          s.bent.push_back(frame_on_curve(mesh, s, c.edge, k.trace.s[g], chord));
           continue;
         }
         Vec2 n = scene.laws[crack].normal(a + k.trace.s[g] * (b - a));
@@ -95,7 +95,7 @@ void shift_by_gaps(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
     for (const CrackEdge& c : mesh.cracks[crack]) {
       const EdgeLine line = edge_line(mesh, c.edge);
       for (int g = 0; g < points_per_edge(k.element); ++g) {
-        const Vec2 x = on_edge(mesh, s.bows, c.edge, k.trace.s[g]).x, gap = scene.laws[crack].gap(x, line.n);
+        const Vec2 x = on_edge(mesh, s.curvatures, c.edge, k.trace.s[g]).x, gap = scene.laws[crack].gap(x, line.n);
         check_finite(gap, x, "gap of a crack");
         s.prescribed[s.jump[c.edge] + 2 * g] = -gap.x();
       }
@@ -107,7 +107,7 @@ void shift_by_gaps(const Mesh& mesh, const Kernel& k, const Scene& scene, Skelet
 void bend_roller(const Mesh& mesh, const Kernel& k, Index e, const Vec2& outward, Skeleton& s) {
   s.bent_at[e] = static_cast<Index>(s.bent.size());
   for (int g = 0; g < points_per_edge(k.element); ++g)
-    s.bent.push_back(frame_on_bow(mesh, s, e, k.trace.s[g], outward));
+    s.bent.push_back(frame_on_curve(mesh, s, e, k.trace.s[g], outward));
 }
 
 // Displacement elements take the value in the middle of the edge; values at corners come from support_corners.
@@ -125,7 +125,7 @@ void support_edges(const Mesh& mesh, const Kernel& k, const Loading& loading, Sk
       s.frame[e] = Mat2::Identity();
       if (support.normal_frame) {
         s.frame[e] << n, Vec2(-n.y(), n.x());
-        if (bow_at(s.bows, e)) bend_roller(mesh, k, e, n, s);
+        if (curvature_at(s.curvatures, e)) bend_roller(mesh, k, e, n, s);
       }
       const auto value_at = [&](double along) -> Vec2 {
         const Vec2 x = a + along * (b - a);
@@ -297,8 +297,8 @@ const Mat2& frame_at(const Skeleton& s, Index edge, int point) {
 // Frames of chords with a prescribed normal (a crack on an arc) are known at Gauss points alone: between these the
 // edge's own stands.
 Mat2 frame_between(const Mesh& mesh, const Skeleton& s, Index edge, double at) {
-  if (s.bent_at[edge] == none || !bow_at(s.bows, edge)) return s.frame[edge];
-  return frame_on_bow(mesh, s, edge, at, s.frame[edge].col(0));
+  if (s.bent_at[edge] == none || !curvature_at(s.curvatures, edge)) return s.frame[edge];
+  return frame_on_curve(mesh, s, edge, at, s.frame[edge].col(0));
 }
 
 Index edge_unknown(const Skeleton& s, Index edge) {
@@ -333,11 +333,11 @@ bool has_free_pressure(const Mesh& mesh, const Scene& scene, const Skeleton& s) 
 
 // The unknowns: edges, corners, jumps. A continuous rotation has a copy for each fan between open cracks and between
 // materials: with single values across a crack the error at its tips falls more slowly.
-Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const Bows& bows) {
+Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const EdgeCurvatures& curvatures) {
   const Scene& scene = loading.scene;
   check_element(mesh, k.element, scene);
   Skeleton s;
-  s.bows = bows;
+  s.curvatures = curvatures;
   s.per_edge = per_edge(k.element);
   s.per_vertex = per_vertex(k.element);
   const Index edges = static_cast<Index>(mesh.edges.size());
@@ -394,9 +394,9 @@ const Material& material_of(const Mesh& mesh, const Scene& scene, Index t) {
   return region == none ? scene.material : scene.regions[region];
 }
 
-// The triangle points into the skeleton's frames and bows, which must outlive it.
+// The triangle points into the skeleton's frames and curvatures, which must outlive it.
 Triangle triangle(const Mesh& mesh, const Skeleton& s, Index t) {
-  Triangle result = cell_of(mesh, s.bows, t);
+  Triangle result = cell_of(mesh, s.curvatures, t);
   for (int i = 0; i < 3; ++i) {
     const Index e = mesh.edges_of[t][i];
     result.frame[i] = s.frame[e];
@@ -452,8 +452,8 @@ void add_pressure(const Mesh& mesh, const Kernel& k, const Skeleton& s, Index e,
   const double l = length(mesh, e);
   for (int q = 0; q < data_points; ++q) {
     const double at = rule.s[q];
-    const Vec2 slope = on_edge(mesh, s.bows, e, at).slope;
-    const Vec2 n = bow_at(s.bows, e) ? Vec2(slope.y() / l, -slope.x() / l) : normal(mesh, e);
+    const Vec2 slope = on_edge(mesh, s.curvatures, e, at).slope;
+    const Vec2 n = curvature_at(s.curvatures, e) ? Vec2(slope.y() / l, -slope.x() / l) : normal(mesh, e);
     const Vec2 moment = l * rule.w[q] * (values.at(0, q) * n + values.at(1, q) * Vec2(-n.y(), n.x()));
     if (is_mixed(k.element)) {
       const Eigen::VectorXd basis = trace_basis(k.trace, at);

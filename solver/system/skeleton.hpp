@@ -28,7 +28,7 @@ struct Skeleton {
   std::vector<bool> bounded;                  // per unknown: a normal jump that must not be negative
   std::vector<bool> frictional;               // per unknown: a tangential jump that friction resists
   std::vector<bool> sliding;                  // per unknown: a tangential jump in contact that no law acts on
-  Bows bows;                                  // of curved edges
+  EdgeCurvatures curvatures;                  // of curved edges
   std::vector<bool> unseen;                   // per unknown: part of a combination that no triangle sees; or empty
 };
 
@@ -47,7 +47,7 @@ struct Loading {
 
 /// Supports are projected onto the edge spaces in L2, interpolated in displacement elements.
 /// Throws Error(Numerics) for a scene that the element cannot do.
-Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const Bows& bows = {});
+Skeleton number(const Mesh& mesh, const Kernel& k, const Loading& loading, const EdgeCurvatures& curvatures = {});
 
 /// A uniform pressure strains nothing in an incompressible body: whether no edge has a given normal traction, so that
 /// its level is free. Throws Error(Numerics) when contact forces would depend on it.

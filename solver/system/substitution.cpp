@@ -7,8 +7,8 @@
 
 #include "base/parallel.hpp"
 #include "kerf/stop.hpp"
+#include "solver/system/memory_pool.hpp"
 #include "solver/system/multifrontal.hpp"
-#include "solver/system/spares.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -114,7 +114,7 @@ struct Multifrontal::Substitution {
     std::vector<Index> place;
     std::vector<double> own;  // the rows of a front
   };
-  Spares<Room> free = {};
+  MemoryPool<Room> free = {};
 
   ConstFront front(Index s) const {
     const Front f = of.front(s);

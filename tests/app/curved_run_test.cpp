@@ -148,9 +148,9 @@ std::string refusal_of(const std::string& text, Job job = Job::Solve, const std:
 }
 
 TEST(CurvedRun, WhatCannotBeCurvedIsNamed) {
-  const std::string peers = refusal_of(ring, Job::Solve, {"solver.element=\"peers\"", "solver.degree=1"});
-  EXPECT_NE(peers.find("curved"), std::string::npos) << peers;
-  EXPECT_NE(peers.find("bdms"), std::string::npos) << peers;
+  const std::string comm = refusal_of(ring, Job::Solve, {"solver.element=\"peers\"", "solver.degree=1"});
+  EXPECT_NE(comm.find("curved"), std::string::npos) << comm;
+  EXPECT_NE(comm.find("bdms"), std::string::npos) << comm;
   const std::string saddle = refusal_of(ring, Job::Solve, {"solver.backend=\"umfpack\""});
   EXPECT_NE(saddle.find("curved"), std::string::npos) << saddle;
 }

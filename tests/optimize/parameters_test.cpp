@@ -334,7 +334,7 @@ TEST(Parameters, StartsThatAFarmTriesAreTheSame) {
     return read;
   }();
   int asked = 0;
-  const Farm farm = [&](const std::vector<std::string>& tasks) {
+  const TaskPool farm = [&](const std::vector<std::string>& tasks) {
     std::vector<std::string> answers;
     for (const std::string& task : tasks) answers.push_back(try_start(p, as_read, task));
     asked += static_cast<int>(tasks.size());

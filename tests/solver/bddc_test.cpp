@@ -7,7 +7,7 @@
 #include "solver/system/gradients.hpp"
 #include "solver/system/inside.hpp"
 #include "solver/system/primal.hpp"
-#include "tests/support/peers.hpp"
+#include "tests/support/communicator.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -73,13 +73,13 @@ struct Found {
 Found in_parts(const Body& b, const std::vector<Index>& process) {
   const Mesh coarse = mesh_of(b);
   Found found;
-  test::on_peers(*std::ranges::max_element(process) + 1, [&](Peers& peers) {
-    MeshPart part = mesh_part(coarse, process, peers.count(), peers.here(), 1);
-    SharedBody body(std::move(part), b.element, scene_of(b), 1, {}, pieces_for_pressure(coarse, scene_of(b)), peers,
+  test::on_peers(*std::ranges::max_element(process) + 1, [&](Communicator& comm) {
+    MeshPart part = mesh_part(coarse, process, comm.count(), comm.here(), 1);
+    SharedBody body(std::move(part), b.element, scene_of(b), 1, {}, pieces_for_pressure(coarse, scene_of(b)), comm,
                     nullptr, b.precision);
     const State state = body.solve();
-    const double energy = sum(peers, strain_energy(body.model(), state));
-    if (peers.here() == 0) found = {energy, state.certificate, body.effort()};
+    const double energy = sum(comm, strain_energy(body.model(), state));
+    if (comm.here() == 0) found = {energy, state.certificate, body.effort()};
   });
   return found;
 }
@@ -284,10 +284,10 @@ TEST(Bddc, ComplementIsMatrixAndFactorInOne) {
 
 TEST(Bddc, GradientsBeginWithWhatTheyKnow) {
   const MatrixXd A = definite_matrix(40, 3);
-  test::on_peers(1, [&](Peers& peers) {
+  test::on_peers(1, [&](Communicator& comm) {
     const auto times = [&](const VectorXd& x) -> VectorXd { return A * x; };
     const auto same = [](const VectorXd& r) { return r; };
-    SharedGradients g(peers, {VectorXd::Ones(40), times, same});
+    SharedGradients g(comm, {VectorXd::Ones(40), times, same});
     const VectorXd b = VectorXd::Random(40);
     const SharedSolved first = g.solve(b), again = g.solve(b);
     // It ends where r.P r, here r.r, is that part of the energy.

@@ -7,7 +7,7 @@
 #include "kerf/bounds.hpp"
 #include "kerf/fracture.hpp"
 #include "kerf/mesher.hpp"
-#include "solver/element/bow.hpp"
+#include "solver/element/edge_curvature.hpp"
 #include "solver/saddle_point.hpp"
 
 #include <gtest/gtest.h>
@@ -119,18 +119,19 @@ TEST(CurvedMesh, BowsMeetTheArcToTheOrderOfTheirDegree) {
       const double a = i == 0 ? 0.3 : 0.15;
       for (const int way : {1, -1}) {
         const Arc arc{{1, 2}, axes, 0.7 - way * a, 0.7 + way * a};
-        const Bow bow = bow_of(arc, degree);
+        const EdgeCurvature curvature = curvature_of(arc, degree);
         const auto at = [&](double t) -> Vec2 { return arc.center + axes * Vec2(std::cos(t), std::sin(t)); };
         const Vec2 from = at(arc.from), to = at(arc.to);
         for (int k = 0; k <= 20; ++k) {
           const double s = k / 20.0;
-          const Vec2 x = from + s * (to - from) + s * (1 - s) * height(bow, s);
+          const Vec2 x = from + s * (to - from) + s * (1 - s) * height(curvature, s);
           misses[static_cast<std::size_t>(i)] =
               std::max(misses[static_cast<std::size_t>(i)], std::abs((axes.inverse() * (x - arc.center)).norm() - 1));
         }
         for (const double s : {0.0, 1.0}) {
           const double t = s == 0 ? arc.from : arc.to;
-          const Vec2 slope = to - from + (1 - 2 * s) * height(bow, s), tangent = axes * Vec2(-std::sin(t), std::cos(t));
+          const Vec2 slope = to - from + (1 - 2 * s) * height(curvature, s),
+                     tangent = axes * Vec2(-std::sin(t), std::cos(t));
           EXPECT_LT(std::abs(cross(slope.normalized(), tangent.normalized())), 1e-13);
         }
       }

@@ -24,8 +24,8 @@ class Packed : public testing::TestWithParam<Element> {
   const Kernel k = kernel(GetParam());
   const std::array<Material, 3> materials{plane_strain(1, 0.3), plane_strain(50, 0.4999), plane_stress(1e-3, 0.2)};
   std::mt19937 random{7};
-  const Bow bow = [] {
-    Bow b;
+  const EdgeCurvature curvature = [] {
+    EdgeCurvature b;
     b.q[0] = Vec2(0.01, -0.02);
     return b;
   }();
@@ -124,7 +124,7 @@ TEST_P(Packed, AgreesWithOneByOne) {
 
 TEST_P(Packed, CurvedAndStrainedTrianglesGoTheirOwnWay) {
   Crowd bowed = crowd(7, displacement_count(k.element), false);
-  bowed.triangles[2].shape.bow[1] = &bow;
+  bowed.triangles[2].shape.curvature[1] = &curvature;
   compare(bowed);
   Crowd strained = crowd(5, displacement_count(k.element) + stress_count(k.element), true);
   compare(strained);

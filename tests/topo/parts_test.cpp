@@ -1,12 +1,12 @@
 // Functionals, adjoints and maps of a body that several processes have in parts: as one process has them. The
 // processes are threads.
 
-#include "geometry/spread.hpp"
+#include "geometry/mesh_part.hpp"
 #include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
-#include "tests/support/peers.hpp"
+#include "tests/support/communicator.hpp"
 #include "topo/analysis.hpp"
 
 #include <gtest/gtest.h>
@@ -87,11 +87,11 @@ Found in_parts(const Body& b, const Functional& j, const Perturbation& p) {
     process.push_back((x.x() > 0.5 ? 2 : 0) + (x.y() > 0.5 ? 1 : 0));
   }
   Found found;
-  test::on_peers(4, [&](Peers& peers) {
+  test::on_peers(4, [&](Communicator& comm) {
     const std::vector<Index> pieces = pieces_for_pressure(coarse, scene_of(b));
-    const MeshPart part = mesh_part(coarse, process, peers.count(), peers.here(), 1);
+    const MeshPart part = mesh_part(coarse, process, comm.count(), comm.here(), 1);
     const auto make = [&](Scene scene) {
-      return std::make_shared<SharedBody>(part, b.element, std::move(scene), 1, Floating{}, pieces, peers);
+      return std::make_shared<SharedBody>(part, b.element, std::move(scene), 1, Floating{}, pieces, comm);
     };
     const auto body = make(scene_of(b));
     const State state = body->solve({}, true);
@@ -100,7 +100,7 @@ Found in_parts(const Body& b, const Functional& j, const Perturbation& p) {
       return std::pair(std::shared_ptr<const Model>(other, &other->model()),
                        std::make_shared<const State>(other->solve()));
     };
-    const Analysis a = analyze(j, body->model(), state, whole_body(*body, state, peers, measured), false);
+    const Analysis a = analyze(j, body->model(), state, whole_body(*body, state, comm, measured), false);
     std::vector<Index> where = locate(body->model().mesh, points);
     const std::vector<MapPoint> map = map_at(a, j, {.perturbation = p, .radius = 0.01}, points);
     std::vector<double> sums(points.size()), counts(points.size());
@@ -109,9 +109,9 @@ Found in_parts(const Body& b, const Functional& j, const Perturbation& p) {
         sums[i] = map[i].value;
         counts[i] = 1;
       }
-    peers.sum(sums);
-    peers.sum(counts);
-    if (peers.here() != 0) return;
+    comm.sum(sums);
+    comm.sum(counts);
+    if (comm.here() != 0) return;
     found = {a.value, a.biactive_length, a.biactive ? a.biactive->response.size() : 0, {}};
     for (std::size_t i = 0; i < points.size(); ++i) found.T.push_back(sums[i] / counts[i]);
   });

@@ -324,7 +324,7 @@ TEST(ShapeGradientOf, APieceThatContactHolds) {
     scene.tractions = {{2, [](const Vec2& x, const Vec2&) { return Vec2(0.02, -1 - 0.1 * x.x()); }}};
     const MovingBody body(mesh, scene, 0.05, 11);
     const Model model = body.at(0);
-    EXPECT_FALSE(model.inner->standing.empty());
+    EXPECT_FALSE(model.inner->semicoercive.empty());
     const State state = solve(model);
     ASSERT_TRUE(certified(state));
     for (const Functional& j : {Functional{"", {energy()}}, Functional{"", {compliance()}},

@@ -44,7 +44,7 @@ double work_on_measured(const Model& m, const Support& measured) {
       const auto& [left, right] = m.mesh.sides[edges[j]];
       if (std::max(left, right) >= own_triangles(m)) continue;
       const EdgeValues u =
-          edge_values(measured.value, {m.mesh, m.inner->skeleton.bows, edges[j]}, "measured displacement", false);
+          edge_values(measured.value, {m.mesh, m.inner->skeleton.curvatures, edges[j]}, "measured displacement", false);
       for (int q = 0; q < data_points; ++q)
         work += length(m.mesh, edges[j]) * rule.w[q] * traction.values[j].at.col(q).dot(u.at.col(q));
     }
@@ -277,12 +277,13 @@ namespace {
 // A piece is loose where one of its motions has a share in the combinations that no law resists.
 std::vector<bool> loose_pieces(const Model& m) {
   std::vector<bool> loose;
-  const Standing& standing = m.inner->standing;
+  const Semicoercive& semicoercive = m.inner->semicoercive;
   if (!m.inner->floating.empty()) return loose;
-  for (const Index piece : standing.piece) loose.resize(std::max(loose.size(), static_cast<std::size_t>(piece) + 1));
-  for (std::size_t i = 0; i < standing.motions.size(); ++i)
-    if (standing.free.cols() == 0 || !standing.free.row(static_cast<Eigen::Index>(i)).isZero(1e-9))
-      loose[static_cast<std::size_t>(standing.motions[i].piece)] = true;
+  for (const Index piece : semicoercive.piece)
+    loose.resize(std::max(loose.size(), static_cast<std::size_t>(piece) + 1));
+  for (std::size_t i = 0; i < semicoercive.motions.size(); ++i)
+    if (semicoercive.free.cols() == 0 || !semicoercive.free.row(static_cast<Eigen::Index>(i)).isZero(1e-9))
+      loose[static_cast<std::size_t>(semicoercive.motions[i].piece)] = true;
   return loose;
 }
 
@@ -290,7 +291,7 @@ std::vector<bool> loose_pieces(const Model& m) {
 bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose) {
   if (loose.empty()) return true;
   const Mesh& mesh = m.mesh;
-  const std::vector<Index>& piece = m.inner->standing.piece;
+  const std::vector<Index>& piece = m.inner->semicoercive.piece;
   const auto is_loose = [&](Index t) { return t != none && loose[static_cast<std::size_t>(piece[t])]; };
   const auto moves = [](const Density& d) { return !d.by_displacement.isZero(0); };
   if (term.on_boundary)
@@ -313,7 +314,7 @@ bool sees_loose(const Term& term, const Model& m, const std::vector<bool>& loose
 
 // Where supports leave no rigid motion all is well; else a term must not see a piece that moves.
 void require_supports(const Functional& j, const Model& model) {
-  if (model.inner->floating.empty() && model.inner->standing.slides.cols() == 0) return;
+  if (model.inner->floating.empty() && model.inner->semicoercive.slides.cols() == 0) return;
   const std::vector<bool> loose = loose_pieces(model);
   for (const Term& term : j.terms)
     if ((term.uses_displacement || term.on_boundary) && sees_loose(term, model, loose))
@@ -343,9 +344,9 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, bo
   return analyze(j, model, state, body, value_only);
 }
 
-WholeBody whole_body(SharedBody& body, const State& state, Peers& peers, MeasuredBody measured) {
-  return {.sum = [&](std::span<double> values) { peers.sum(values); },
-          .gather = [&](const std::vector<double>& own) { return gathered(peers, own); },
+WholeBody whole_body(SharedBody& body, const State& state, Communicator& comm, MeasuredBody measured) {
+  return {.sum = [&](std::span<double> values) { comm.sum(values); },
+          .gather = [&](const std::vector<double>& own) { return gathered(comm, own); },
           .adjoint = [&](const Sensitivity& dJ) { return body.solve_adjoint(state, dJ); },
           .one_sided = [&] { return body.one_sided(state); },
           .measured = std::move(measured)};

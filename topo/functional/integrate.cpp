@@ -98,9 +98,9 @@ void along_label(const Term& term, const Model& m, const std::function<void(cons
     const Vec2 outward = outward_normal(m.mesh, e);
     const EdgeRule rule = rules.along(e, singular ? pieces_beside(*singular, a, a + side) : 1);
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.curvatures, e, rule.s[q]);
       const double speed = p.slope.norm();
-      const Vec2 n = bow_at(m.inner->skeleton.bows, e) ? Vec2(normal_at(p, outward) / speed) : outward;
+      const Vec2 n = curvature_at(m.inner->skeleton.curvatures, e) ? Vec2(normal_at(p, outward) / speed) : outward;
       at({p.x, n, speed * rule.w[q], e, trace_basis(m.inner->kernel.trace, rule.s[q]), m.inner->skeleton});
     }
   }
@@ -121,7 +121,7 @@ void along_crack(const Model& m, Index crack, const std::function<void(const Jum
   for (const CrackEdge& c : m.mesh.cracks[crack]) {
     if (m.inner->skeleton.jump[c.edge] == none) continue;
     for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g) {
-      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, c.edge, m.inner->kernel.trace.s[g]);
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.curvatures, c.edge, m.inner->kernel.trace.s[g]);
       at({p.x, p.slope.norm() * m.inner->kernel.trace.w[g], c.edge,
           m.inner->skeleton.jump[c.edge] + 2 * static_cast<Index>(g)});
     }

@@ -105,9 +105,9 @@ class Cells {
  public:
   Cells(const std::vector<Datum<VectorField>>& data, const Triangle& shape) : shape_(shape), data_(data) {
     // A curved triangle lies within the box of its chords widened by what its sides bend.
-    for (const Bow* bow : shape.bow)
-      if (bow)
-        for (const Vec2& q : bow->q) beyond_ += 0.25 * q.norm();  // products of two coordinates are 1/4 at most
+    for (const EdgeCurvature* curvature : shape.curvature)
+      if (curvature)
+        for (const Vec2& q : curvature->q) beyond_ += 0.25 * q.norm();  // products of two coordinates are 1/4 at most
   }
 
   std::vector<CellOfData> cells() const {
@@ -174,7 +174,7 @@ struct SpanOfData : PieceOfData {
 class Spans {
  public:
   Spans(const std::vector<Datum<BoundaryField>>& data, const Model& m, Index edge)
-      : line_(edge_line({m.mesh, m.inner->skeleton.bows, edge})), data_(data) {}
+      : line_(edge_line({m.mesh, m.inner->skeleton.curvatures, edge})), data_(data) {}
 
   std::vector<SpanOfData> spans(int pieces) const {
     std::vector<SpanOfData> spans(static_cast<std::size_t>(pieces));

@@ -55,7 +55,7 @@ void BodyReply::load(const Vec2& x0, std::span<const Nucleus> fields, Eigen::Ref
     for (int piece = 0; piece < pieces; ++piece)
       for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
         const double s = (piece + rule.s[q]) / pieces, w = rule.w[q] / pieces;
-        const OnEdge at = on_edge(m.mesh, skeleton.bows, e, s);
+        const OnEdge at = on_edge(m.mesh, skeleton.curvatures, e, s);
         const Vec2 n = normal_at(at, outward);  // times |dx/ds|
         const Vec2& x = at.x;
         const Eigen::VectorXd basis = trace_basis(trace, s);

@@ -40,7 +40,7 @@ Eigen::VectorXd strained(const Model& m, const std::vector<Index>& edges, const 
   Eigen::Index row = 0;
   for (const Index e : edges) {
     for (Eigen::Index g = 0; g < m.inner->kernel.trace.s.size(); ++g, row += 2) {
-      const Vec2 d = on_edge(m.mesh, m.inner->skeleton.bows, e, m.inner->kernel.trace.s[g]).x - center;
+      const Vec2 d = on_edge(m.mesh, m.inner->skeleton.curvatures, e, m.inner->kernel.trace.s[g]).x - center;
       const Mat2 frame = frame_at(m.inner->skeleton, e, static_cast<int>(g)).transpose();
       rigid.block<2, 2>(row, 0) = frame;
       rigid.block<2, 1>(row, 2) = frame * Vec2(-d.y(), d.x());
@@ -64,7 +64,7 @@ Eigen::VectorXd forces_from(const Model& m, const Field& s, const std::vector<In
     const Vec2 outward = (t == left ? 1 : -1) * normal(m.mesh, e);
     const Triangle shape = triangle(m, t);
     for (Eigen::Index q = 0; q < rule.s.size(); ++q) {
-      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.bows, e, rule.s[q]);
+      const OnEdge p = on_edge(m.mesh, m.inner->skeleton.curvatures, e, rule.s[q]);
       const Vec2 traction =
           rule.w[q] * tensor(stress_at(m.inner->kernel, shape, s.interior.col(t), p.x)) * normal_at(p, outward);
       const Eigen::VectorXd basis = trace_basis(m.inner->kernel.trace, rule.s[q]);

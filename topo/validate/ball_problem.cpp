@@ -49,7 +49,7 @@ BodyOperator::BodyOperator(const Model& m, const Field& s, const Preparation& ho
   }
   const Inner& o = *operators().inner;
   W = o.factor->interface_complement();
-  o.standing.release(W.bottomRightCorner(o.ordering.contact_rows, o.ordering.contact_rows));
+  o.semicoercive.release(W.bottomRightCorner(o.ordering.contact_rows, o.ordering.contact_rows));
   const Index trailing = o.ordering.contact_rows, leading = o.ordering.size - trailing;
   status = contact_status(m, s);
   jump.resize(trailing);

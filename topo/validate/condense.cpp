@@ -23,9 +23,9 @@ CondensedPiece condense(const CutOut& piece, const Kernel& k, const Scene& scene
     inside.body = {};
     inside.eigenstrain.clear();
   }
-  const Bows bows = bows_of(p.part.mesh, k.element);
-  p.data = scene_data(p.part.mesh, inside, k.load, 1, bows);
-  p.skeleton = number(p.part.mesh, k, {inside, p.data}, bows);
+  const EdgeCurvatures curvatures = curvatures_of(p.part.mesh, k.element);
+  p.data = scene_data(p.part.mesh, inside, k.load, 1, curvatures);
+  p.skeleton = number(p.part.mesh, k, {inside, p.data}, curvatures);
   std::vector<Index> of_whole(piece.whole.edges.size(), none), edges;
   for (std::size_t e = 0; e < p.part.edge.size(); ++e) of_whole[p.part.edge[e]] = static_cast<Index>(e);
   for (const Index e : piece.kept) edges.push_back(of_whole[e]);

@@ -16,7 +16,7 @@ struct PieceMotion {
 };
 
 /// Empty for bodies whose pieces are held by supports.
-struct Standing {
+struct Semicoercive {
   std::vector<PieceMotion> motions;
   std::vector<Index> piece;  // per triangle
   Eigen::MatrixXd free;      // combinations of motions that no law resists, a column each
@@ -37,7 +37,7 @@ std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene);
 /// The pieces that cracks leave and supports do not hold. Marks tangential jumps that are to be rows in contact of no
 /// law, so that a piece that slides freely is held by its rows (Skeleton::sliding). Throws Error(Numerics) that names a
 /// motion that no contact can resist.
-Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s);
+Semicoercive semicoercive_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s);
 
 /// What is numbered and assembled.
 struct Numbered {
@@ -56,15 +56,15 @@ struct CoarseFeet : Error {
 /// Fills springs, slides and others, and takes out of the loads F what rounding pushes the pieces by. Throws
 /// Error(Numerics) that names how the pieces begin to move where no forces of contact, which may act up to the ends of
 /// edges, balance F [theory: C.37]: with Coulomb's friction a necessary condition alone. Throws CoarseFeet.
-void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standing& standing,
+void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Semicoercive& semicoercive,
           std::vector<std::string>& notes);
 
-/// S j - r = p on rows in contact, S without resistance to Standing::others.
+/// S j - r = p on rows in contact, S without resistance to Semicoercive::others.
 struct SmallProblem {
   const Eigen::MatrixXd& S;
   const Eigen::VectorXd& r;
   const std::vector<ContactPoint>& points;
-  const Standing& standing;
+  const Semicoercive& semicoercive;
 };
 /// By proximal steps on the motions [theory: C.26], then with the set that they find by S alone.
 Contact semicoercive(const SmallProblem& problem, const std::vector<Motion>& guess);

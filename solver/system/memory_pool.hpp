@@ -9,7 +9,7 @@ namespace kerf {
 
 /// A piece keeps what the last thread left in it, and its size: who takes it must not rely on its contents.
 template <typename T>
-class Spares {
+class MemoryPool {
  public:
   /// One that was given back, or what `make` makes.
   template <typename Make>

@@ -1,7 +1,7 @@
 // The parts of a mesh that several processes have, divided: together the divided whole, and what they know of each
 // other the same on both sides.
 
-#include "geometry/spread.hpp"
+#include "geometry/mesh_part.hpp"
 #include "kerf/mesher.hpp"
 
 #include <gtest/gtest.h>

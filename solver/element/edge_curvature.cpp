@@ -7,7 +7,7 @@
 // docs/theory/elements.md, section Curved triangles [theory: E.24, E.25]. Here, too, a mesh is refused in which the map
 // of a triangle folds, before and after divisions of its curved edges.
 
-#include "solver/element/bow.hpp"
+#include "solver/element/edge_curvature.hpp"
 
 #include "geometry/part.hpp"
 #include "kerf/folded.hpp"
@@ -67,11 +67,11 @@ bool folds(const Triangle& t) {
 }  // namespace
 
 // `axes` takes the unit circle to the ellipse: the polynomial of the circle goes along.
-Bow bow_of(const Arc& piece, int degree) {
+EdgeCurvature curvature_of(const Arc& piece, int degree) {
   const double a = 0.5 * (piece.to - piece.from), middle = 0.5 * (piece.from + piece.to);
   const UnitHeight h = unit_height(a, degree);
   const Vec2 out(std::cos(middle), std::sin(middle)), along(-out.y(), out.x());
-  Bow b;
+  EdgeCurvature b;
   for (std::size_t i = 0; i < 3; ++i) b.q[i] = piece.axes * (h.across[i] * out + h.along[i] * along);
   return b;
 }
@@ -81,7 +81,7 @@ Bow bow_of(const Arc& piece, int degree) {
 void check_division(const Mesh& mesh, const Element& e, int divisions) {
   Mesh beside = mesh;
   for (int time = 0; !beside.arc.empty(); ++time) {
-    bows_of(beside, e);
+    curvatures_of(beside, e);
     if (time == divisions) return;
     std::vector<bool> use;
     for (const auto& edges : beside.edges_of)
@@ -90,36 +90,36 @@ void check_division(const Mesh& mesh, const Element& e, int divisions) {
   }
 }
 
-const Bow* bow_at(const Bows& bows, Index edge) {
-  const Index at = bows.of.empty() ? none : bows.of[edge];
-  return at == none ? nullptr : &bows.all[at];
+const EdgeCurvature* curvature_at(const EdgeCurvatures& curvatures, Index edge) {
+  const Index at = curvatures.of.empty() ? none : curvatures.of[edge];
+  return at == none ? nullptr : &curvatures.all[at];
 }
 
-Bows bows_of(const Mesh& mesh, const Element& e) {
-  Bows bows;
-  if (mesh.arc.empty()) return bows;
+EdgeCurvatures curvatures_of(const Mesh& mesh, const Element& e) {
+  EdgeCurvatures curvatures;
+  if (mesh.arc.empty()) return curvatures;
   require(e, can_be_curved);
-  bows.of.assign(mesh.edges.size(), none);
+  curvatures.of.assign(mesh.edges.size(), none);
   for (std::size_t k = 0; k < mesh.edges.size(); ++k) {
     if (mesh.arc[k] == none) continue;
-    bows.of[k] = static_cast<Index>(bows.all.size());
-    bows.all.push_back(bow_of(mesh.arcs[mesh.arc[k]], e.stress + 1));
+    curvatures.of[k] = static_cast<Index>(curvatures.all.size());
+    curvatures.all.push_back(curvature_of(mesh.arcs[mesh.arc[k]], e.stress + 1));
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle cell = cell_of(mesh, bows, static_cast<Index>(t));
+    const Triangle cell = cell_of(mesh, curvatures, static_cast<Index>(t));
     if (!is_curved(cell) || !folds(cell)) continue;
     throw FoldedTriangle(centroid(cell));
   }
-  return bows;
+  return curvatures;
 }
 
-OnEdge on_edge(const Mesh& mesh, const Bows& bows, Index edge, double s) {
+OnEdge on_edge(const Mesh& mesh, const EdgeCurvatures& curvatures, Index edge, double s) {
   const Vec2 &a = mesh.points[mesh.edges[edge][0]], &b = mesh.points[mesh.edges[edge][1]];
   OnEdge at{a + s * (b - a), b - a};
-  if (const Bow* bow = bow_at(bows, edge)) {
-    const Vec2 h = height(*bow, s);
+  if (const EdgeCurvature* curvature = curvature_at(curvatures, edge)) {
+    const Vec2 h = height(*curvature, s);
     at.x += s * (1 - s) * h;
-    at.slope += (1 - 2 * s) * h + s * (1 - s) * height_slope(*bow, s);
+    at.slope += (1 - 2 * s) * h + s * (1 - s) * height_slope(*curvature, s);
   }
   return at;
 }

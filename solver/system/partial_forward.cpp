@@ -5,13 +5,13 @@
 // and the products Y'Y of new columns with all are summed on the way. Many columns cost less than a solve or two.
 // Derived in docs/theory/contact.md, section Large contact.
 
-#include "solver/system/half_solved.hpp"
+#include "solver/system/partial_forward.hpp"
 
 #include <algorithm>
 
 namespace kerf {
 
-HalfSolved::HalfSolved(const Factor& factor) : l_(factor.columns()) {
+PartialForward::PartialForward(const Factor& factor) : l_(factor.columns()) {
   const Supernodes& s = l_.blocks.supernodes();
   const auto rows = static_cast<std::size_t>(s.first.back());
   place_.resize(rows);
@@ -24,7 +24,7 @@ HalfSolved::HalfSolved(const Factor& factor) : l_(factor.columns()) {
 // Room on the way of each, with the columns themselves in it.
 // A way that meets a supernode which the column passes already has been marked from there to the root. Numbers grow, so
 // that `which` stays sorted.
-void HalfSolved::enter(const std::vector<Column>& columns) {
+void PartialForward::enter(const std::vector<Column>& columns) {
   const Supernodes& s = l_.blocks.supernodes();
   std::map<Index, Eigen::Index> old;
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -53,7 +53,7 @@ void HalfSolved::enter(const std::vector<Column>& columns) {
 }
 
 // What the new columns of a supernode leave on the rows behind it.
-void HalfSolved::pass_on(Index n, Eigen::Index first_new) {
+void PartialForward::pass_on(Index n, Eigen::Index first_new) {
   const Supernodes& s = l_.blocks.supernodes();
   const FrontPanel<double> panel = l_.blocks.panel(n, l_.values);
   const Index width = panel.width, height = panel.height;
@@ -86,7 +86,7 @@ void HalfSolved::pass_on(Index n, Eigen::Index first_new) {
   }
 }
 
-Eigen::MatrixXd HalfSolved::add(const std::vector<Column>& columns) {
+Eigen::MatrixXd PartialForward::add(const std::vector<Column>& columns) {
   enter(columns);
   const Eigen::Index before = count_, more = static_cast<Eigen::Index>(columns.size());
   count_ += static_cast<Index>(more);
@@ -105,7 +105,7 @@ Eigen::MatrixXd HalfSolved::add(const std::vector<Column>& columns) {
   return products;
 }
 
-Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
+Eigen::VectorXd PartialForward::products(const Eigen::VectorXd& y) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(count_);
   for (const auto& [n, block] : blocks_) {
     const Eigen::VectorXd here =
@@ -115,7 +115,7 @@ Eigen::VectorXd HalfSolved::products(const Eigen::VectorXd& y) const {
   return sum;
 }
 
-void HalfSolved::subtract(const Eigen::VectorXd& share, Eigen::VectorXd& y) const {
+void PartialForward::subtract(const Eigen::VectorXd& share, Eigen::VectorXd& y) const {
   for (const auto& [n, block] : blocks_) {
     const Eigen::VectorXd here = share(block.which);
     y.segment(l_.blocks.supernodes().first[n], block.values.rows()).noalias() -= block.values * here;

@@ -7,7 +7,7 @@
 // is named [Moreau 1988; theory: C.37]. The search adds a proximal term (delta/2) |Q'(j - j_m)|^2 on the motions
 // [theory: C.26]. Derived in docs/theory/contact.md, section Pieces that contact holds.
 
-#include "solver/system/standing.hpp"
+#include "solver/system/semicoercive.hpp"
 
 #include "base/dense.hpp"
 #include "base/nonnegative.hpp"
@@ -25,11 +25,11 @@ namespace kerf {
 namespace {
 
 /// What a piece's motion is on all unknowns: its trace on the base unknowns, right less left on the jumps.
-Eigen::VectorXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Standing& standing,
+Eigen::VectorXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Semicoercive& semicoercive,
                             const PieceMotion& of) {
   const Eigen::VectorXd at = trace(mesh, k, s, of.motion);
   Eigen::VectorXd all = Eigen::VectorXd::Zero(s.total);
-  const auto in = [&](Index t) { return t != none && standing.piece[t] == of.piece; };
+  const auto in = [&](Index t) { return t != none && semicoercive.piece[t] == of.piece; };
   for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
     const auto [left, right] = mesh.sides[e];
     const double jumps = (in(right) ? 1 : 0) - (in(left) ? 1 : 0);
@@ -46,10 +46,10 @@ Eigen::VectorXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s
   return all;
 }
 
-Eigen::MatrixXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Standing& standing) {
-  Eigen::MatrixXd all(s.total, static_cast<Eigen::Index>(standing.motions.size()));
-  for (std::size_t i = 0; i < standing.motions.size(); ++i)
-    all.col(static_cast<Eigen::Index>(i)) = on_unknowns(mesh, k, s, standing, standing.motions[i]);
+Eigen::MatrixXd on_unknowns(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Semicoercive& semicoercive) {
+  Eigen::MatrixXd all(s.total, static_cast<Eigen::Index>(semicoercive.motions.size()));
+  for (std::size_t i = 0; i < semicoercive.motions.size(); ++i)
+    all.col(static_cast<Eigen::Index>(i)) = on_unknowns(mesh, k, s, semicoercive, semicoercive.motions[i]);
   return all;
 }
 
@@ -69,17 +69,17 @@ Eigen::MatrixXd unseen_by(const Eigen::MatrixXd& rows) {
 
 /// Of a combination, what the piece that moves most does.
 /// For messages: the sizes are those of the shares, in units of the radius of each piece.
-PieceMotion leading(const Standing& standing, const Eigen::VectorXd& share) {
+PieceMotion leading(const Semicoercive& semicoercive, const Eigen::VectorXd& share) {
   std::vector<double> size;
-  for (std::size_t i = 0; i < standing.motions.size(); ++i) {
-    const auto piece = static_cast<std::size_t>(standing.motions[i].piece);
+  for (std::size_t i = 0; i < semicoercive.motions.size(); ++i) {
+    const auto piece = static_cast<std::size_t>(semicoercive.motions[i].piece);
     if (size.size() <= piece) size.resize(piece + 1, 0);
     size[piece] += std::pow(share[static_cast<Eigen::Index>(i)], 2);
   }
   const Index piece = static_cast<Index>(std::max_element(size.begin(), size.end()) - size.begin());
   PieceMotion sum{piece, {}, {}};
-  for (std::size_t i = 0; i < standing.motions.size(); ++i) {
-    const PieceMotion& m = standing.motions[i];
+  for (std::size_t i = 0; i < semicoercive.motions.size(); ++i) {
+    const PieceMotion& m = semicoercive.motions[i];
     if (m.piece != piece) continue;
     const double f = share[static_cast<Eigen::Index>(i)];
     sum.inside = m.inside;
@@ -127,21 +127,22 @@ std::vector<Index> pieces_of(const Mesh& mesh, const Scene& scene) {
 
 /// `left` shrinks by one column with each row that is added. A jump of 1e-6 of a motion of unit size is the least that
 /// stops it.
-Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
-  Standing standing{.piece = pieces_of(mesh, scene)};
-  const Index count = standing.piece.empty() ? 0 : 1 + *std::max_element(standing.piece.begin(), standing.piece.end());
+Semicoercive semicoercive_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, Skeleton& s) {
+  Semicoercive semicoercive{.piece = pieces_of(mesh, scene)};
+  const Index count =
+      semicoercive.piece.empty() ? 0 : 1 + *std::max_element(semicoercive.piece.begin(), semicoercive.piece.end());
   for (Index p = 0; p < count && count > 1; ++p) {
-    const auto inside = std::find(standing.piece.begin(), standing.piece.end(), p) - standing.piece.begin();
-    for (const RigidMotion& motion : free_motions(mesh, k, s, standing.piece, p))
-      standing.motions.push_back({p, centroid(mesh, static_cast<Index>(inside)), motion});
+    const auto inside = std::find(semicoercive.piece.begin(), semicoercive.piece.end(), p) - semicoercive.piece.begin();
+    for (const RigidMotion& motion : free_motions(mesh, k, s, semicoercive.piece, p))
+      semicoercive.motions.push_back({p, centroid(mesh, static_cast<Index>(inside)), motion});
   }
-  standing.in_pieces = count > 1;
-  if (standing.empty()) return {.in_pieces = standing.in_pieces};
-  const Eigen::MatrixXd all = on_unknowns(mesh, k, s, standing);
+  semicoercive.in_pieces = count > 1;
+  if (semicoercive.empty()) return {.in_pieces = semicoercive.in_pieces};
+  const Eigen::MatrixXd all = on_unknowns(mesh, k, s, semicoercive);
   const FaceUnknowns faces = face_unknowns(mesh, scene, s);
   std::vector<Index> rows = faces.resisting;
-  standing.free = unseen_by(all(rows, Eigen::all));
-  for (Eigen::MatrixXd left = standing.free; left.cols() > 0; left = unseen_by(all(rows, Eigen::all))) {
+  semicoercive.free = unseen_by(all(rows, Eigen::all));
+  for (Eigen::MatrixXd left = semicoercive.free; left.cols() > 0; left = unseen_by(all(rows, Eigen::all))) {
     Index best = none;
     double most = 1e-6;  // jumps of motions of unit size
     for (const Index u : faces.sliding)
@@ -150,11 +151,11 @@ Standing standing_pieces(const Mesh& mesh, const Kernel& k, const Scene& scene, 
       throw Error(Fault::Numerics,
                   fmt::format("cracks cut the body into {} pieces, and {}, which no contact can stop; support that "
                               "piece, give the crack contact = \"unilateral\", or end it inside the body",
-                              count, named(leading(standing, left.col(0)))));
+                              count, named(leading(semicoercive, left.col(0)))));
     s.sliding[best] = true;
     rows.push_back(best);
   }
-  return standing;
+  return semicoercive;
 }
 
 namespace {
@@ -195,13 +196,13 @@ struct Foot {
 };
 
 /// Pressures on a straight run act as two at its ends do.
-std::vector<Foot> feet(const Numbered& of, const Standing& standing) {
+std::vector<Foot> feet(const Numbered& of, const Semicoercive& semicoercive) {
   const Mesh& mesh = of.mesh;
   const Skeleton& s = of.skeleton;
-  const auto count = static_cast<Eigen::Index>(standing.motions.size());
+  const auto count = static_cast<Eigen::Index>(semicoercive.motions.size());
   const auto pieces_beside = [&](Index e) {
     const auto [left, right] = mesh.sides[e];
-    return std::array{standing.piece[left], standing.piece[right]};
+    return std::array{semicoercive.piece[left], semicoercive.piece[right]};
   };
   const auto goes_on = [&](const CrackEdge& a, const CrackEdge& b) {
     std::array<Index, 2> p = pieces_beside(a.edge), q = pieces_beside(b.edge);
@@ -226,7 +227,7 @@ std::vector<Foot> feet(const Numbered& of, const Standing& standing) {
         Foot foot{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), of.scene.laws[c].friction,
                   of.scene.laws[c].slip_bound, mesh.sides[e]};
         for (Eigen::Index k = 0; k < count; ++k) {
-          const PieceMotion& m = standing.motions[static_cast<std::size_t>(k)];
+          const PieceMotion& m = semicoercive.motions[static_cast<std::size_t>(k)];
           const Vec2 jump = ((m.piece == right ? 1 : 0) - (m.piece == left ? 1 : 0)) * m.motion.at(x);
           foot.normal[k] = jump.dot(frame.col(0)), foot.tangential[k] = jump.dot(frame.col(1));
         }
@@ -295,7 +296,7 @@ Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
 }  // namespace
 
 /// Slides get the mean of the diagonal for a stiffness: S stays definite, and the state is the one that slides least.
-void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
+void Semicoercive::release(Eigen::Ref<Eigen::MatrixXd> S) const {
   if (empty()) return;
   S.diagonal() -= springs;
   if (slides.cols() > 0) S += S.diagonal().mean() * slides * slides.transpose();
@@ -304,10 +305,10 @@ void Standing::release(Eigen::Ref<Eigen::MatrixXd> S) const {
 /// First the feet, where forces may act up to the ends of the faces: if these do not balance the loads nothing does.
 /// Then the Gauss points of the mesh: if those do not, triangles at the ends of the feet are too large. What is left in
 /// between is rounding and taken out of F.
-void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standing& standing,
+void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Semicoercive& semicoercive,
           std::vector<std::string>& notes) {
   const Ordering& o = of.ordering;
-  const Eigen::MatrixXd all = on_unknowns(of.mesh, of.kernel, of.skeleton, standing);
+  const Eigen::MatrixXd all = on_unknowns(of.mesh, of.kernel, of.skeleton, semicoercive);
   const Eigen::Index motions = all.cols();
   Eigen::MatrixXd jumps(o.contact_rows, motions);
   Eigen::VectorXd work = Eigen::VectorXd::Zero(motions), size = work;
@@ -322,14 +323,14 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
   // Loads that balance nearly are those of a mesh; what balances to rounding alone is told apart from what does not.
   constexpr double balanced = 1e-6, rounding = 1e-13;
   const double allowed = balanced * size.norm() + rounding * F.lpNorm<1>();
-  const std::vector<Foot> places = feet(of, standing);
+  const std::vector<Foot> places = feet(of, semicoercive);
   const Eigen::VectorXd falls = unbalanced(rays(places, motions), work);
   if (falls.norm() > allowed) {
     const Eigen::VectorXd begins = beginning(places, work);
     throw Error(Fault::Numerics,
                 fmt::format("contact does not hold the body: {}, and the loads push it that way; press it onto what "
                             "should hold it, or support it with a [[boundary]]",
-                            named(leading(standing, begins.norm() > allowed ? begins : falls))));
+                            named(leading(semicoercive, begins.norm() > allowed ? begins : falls))));
   }
   const Eigen::VectorXd left = unbalanced(rays(of, jumps), work);
   if (left.norm() > allowed) {
@@ -340,7 +341,7 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
     throw CoarseFeet(
         fmt::format("contact holds the body, but by pressures nearer to the ends of the faces than the mesh "
                     "has points: {}; a smaller mesh.size shows them",
-                    named(leading(standing, left))),
+                    named(leading(semicoercive, left))),
         std::move(ends));
   }
   if (left.norm() > 0 && left.norm() <= rounding * F.lpNorm<1>()) {
@@ -350,22 +351,23 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
     F -= multiply(on_rows, solve_spd(transposed_multiply(on_rows, on_rows), left));
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivots = pivoted_qr(jumps.transpose());
-  standing.springs = Eigen::VectorXd::Zero(o.contact_rows);
+  semicoercive.springs = Eigen::VectorXd::Zero(o.contact_rows);
   for (Eigen::Index i = 0; i < motions; ++i) {
     const Index row = static_cast<Index>(pivots.colsPermutation().indices()[i]);
-    standing.springs[row] = K.values[K.start[leading_rows + row]];
+    semicoercive.springs[row] = K.values[K.start[leading_rows + row]];
   }
-  standing.slides = basis_of(multiply(jumps, standing.free));
-  standing.others = basis_of(jumps - multiply(standing.slides, transposed_multiply(standing.slides, jumps)));
+  semicoercive.slides = basis_of(multiply(jumps, semicoercive.free));
+  semicoercive.others =
+      basis_of(jumps - multiply(semicoercive.slides, transposed_multiply(semicoercive.slides, jumps)));
   std::vector<Index> named_pieces;
-  for (const PieceMotion& m : standing.motions)
+  for (const PieceMotion& m : semicoercive.motions)
     if (std::find(named_pieces.begin(), named_pieces.end(), m.piece) == named_pieces.end())
       named_pieces.push_back(m.piece);
   std::string note = fmt::format("{} piece{} of the body {} held by contact alone", named_pieces.size(),
                                  named_pieces.size() == 1 ? "" : "s", named_pieces.size() == 1 ? "is" : "are");
-  if (standing.slides.cols() > 0)
+  if (semicoercive.slides.cols() > 0)
     note += fmt::format("; {} without resistance, and stays where it slides least",
-                        named(leading(standing, standing.free.col(0))));
+                        named(leading(semicoercive, semicoercive.free.col(0))));
   notes.push_back(std::move(note));
 }
 
@@ -374,7 +376,7 @@ void hold(const Numbered& of, const LowerTriangle& K, Eigen::VectorXd& F, Standi
 Contact semicoercive(const SmallProblem& p, const std::vector<Motion>& guess) {
   constexpr int most = 30;
   const double weight = 1e-4 * p.S.diagonal().mean();
-  const Eigen::MatrixXd& Q = p.standing.others;
+  const Eigen::MatrixXd& Q = p.semicoercive.others;
   const Eigen::MatrixXd held = p.S + weight * Q * Q.transpose();
   Contact found{.jump = Eigen::VectorXd::Zero(p.r.size()), .motion = guess};
   int iterations = 0;

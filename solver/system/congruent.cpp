@@ -6,7 +6,7 @@
 // is shared only where that many triangles have it as its elimination has columns. docs/theory/elements.md, section
 // Slender bodies.
 
-#include "solver/system/alike.hpp"
+#include "solver/system/congruent.hpp"
 
 #include "base/parallel.hpp"
 
@@ -70,8 +70,8 @@ Key key_of(const Triangle& t, Index region) {
 }  // namespace
 
 // The penalty per triangle is that of its material: a shape with its region fixes it.
-Alike::Alike(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const SceneData& data,
-             double penalty, int threads)
+CongruentTriangles::CongruentTriangles(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene,
+                                       const SceneData& data, double penalty, int threads)
     : moments_(scene.body ? displacement_count(k.element) : 0) {
   if (!can_share(k) || !data.strain.empty()) return;
   const Index triangles = static_cast<Index>(mesh.triangles.size());
@@ -110,7 +110,7 @@ Alike::Alike(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& 
     if (alike[t] != none) of_[t] = {shape[alike[t]], keys[t].turn};
 }
 
-void Alike::share(Index t, LocalTriangle& local) const {
+void CongruentTriangles::share(Index t, LocalTriangle& local) const {
   if (of_.empty() || of_[t].shape == none || (local.force.size() > 0 && local.force.size() != moments_)) return;
   local.shared = &shapes_[of_[t].shape];
   local.turn = of_[t].turn;

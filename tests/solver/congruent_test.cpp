@@ -114,13 +114,13 @@ LocalTriangle local_of(const Model& m, Index t) {
 }
 
 // Each material by itself, rollers and supports by themselves, with a force and without.
-TEST(Alike, MostTrianglesOfAMeshShareAndAllGetTheirOwn) {
+TEST(CongruentTriangles, MostTrianglesOfAMeshShareAndAllGetTheirOwn) {
   for (const double poisson : {0.3, 0.49999})
     for (const bool forced : {false, true}) {
       Scene scene = rolling(poisson);
       if (forced) scene.body = [](const Vec2& x) -> Vec2 { return {x.y(), 1 - x.x()}; };
       const Model m = prepare(triangulate(square_with_a_disc(), {.size = 0.025}), bdms(2), std::move(scene), 2);
-      const Alike& alike = *m.inner->system.alike;
+      const CongruentTriangles& alike = *m.inner->system.alike;
       const auto triangles = static_cast<Index>(m.mesh.triangles.size());
       EXPECT_GT(alike.shared(), triangles / 2);
       EXPECT_LT(alike.shared(), triangles);
@@ -140,7 +140,7 @@ TEST(Alike, MostTrianglesOfAMeshShareAndAllGetTheirOwn) {
     }
 }
 
-TEST(Alike, OtherLoadsOnTheSameBodyAreNotOverlooked) {
+TEST(CongruentTriangles, OtherLoadsOnTheSameBodyAreNotOverlooked) {
   const Model plain = prepare(triangulate(square_with_a_disc(), {.size = 0.05}), bdms(1), rolling(0.3), 1);
   ASSERT_GT(plain.inner->system.alike->shared(), 0);
   Scene heavy = rolling(0.3);
@@ -151,7 +151,7 @@ TEST(Alike, OtherLoadsOnTheSameBodyAreNotOverlooked) {
 
 // Near nu = 1/2 the iterations take the mean trace that loads cause in a triangle: that of the loads before is gone,
 // also where the next ones are none.
-TEST(Alike, LoadsBeforeLeaveNothingBehind) {
+TEST(CongruentTriangles, LoadsBeforeLeaveNothingBehind) {
   const Mesh mesh = triangulate(square_with_a_disc(), {.size = 0.2});
   const auto swelling = [](const Vec2& x) -> Vec2 { return {1 + x.x(), 2}; };
   for (const Element& e : {bdms(1), bdms(2)}) {
@@ -166,7 +166,7 @@ TEST(Alike, LoadsBeforeLeaveNothingBehind) {
   }
 }
 
-TEST(Alike, StrainedBodiesAndFewTrianglesShareNothing) {
+TEST(CongruentTriangles, StrainedBodiesAndFewTrianglesShareNothing) {
   Scene strained = rolling(0.3);
   const auto swelling = [](const Vec2&) -> Vec2 { return {1e-3, 2e-3}; };
   strained.eigenstrain.push_back({.normal = swelling, .shear = swelling});

@@ -1,7 +1,7 @@
 #pragma once
 // A body that several processes solve together, each on its own part of the mesh: none ever has the whole.
 
-#include "geometry/spread.hpp"
+#include "geometry/mesh_part.hpp"
 #include "kerf/adjoint.hpp"
 #include "solver/ranks.hpp"
 
@@ -61,9 +61,9 @@ class SharedIteration {
 enum class PartsWork { Assembly, SetUp, Apply, Contact };
 
 /// The processes. All of them call the same functions, in the same order.
-class Peers {
+class Communicator {
  public:
-  virtual ~Peers() = default;
+  virtual ~Communicator() = default;
   virtual Index here() const = 0;
   virtual Index count() const = 0;
   virtual void sum(std::span<double> values) = 0;  // over processes: the same bits on all
@@ -82,7 +82,7 @@ class Peers {
 /// Logs the time that it lives.
 class LoggedWork {
  public:
-  LoggedWork(Peers& peers, PartsWork work) : peers_(peers), work_(work) {
+  LoggedWork(Communicator& comm, PartsWork work) : peers_(comm), work_(work) {
     peers_.log(work_, true);
   }
   LoggedWork(const LoggedWork&) = delete;
@@ -92,7 +92,7 @@ class LoggedWork {
   }
 
  private:
-  Peers& peers_;
+  Communicator& peers_;
   PartsWork work_;
 };
 
@@ -109,20 +109,20 @@ std::vector<T> concatenated(const std::vector<std::string>& parts) {
 }
 /// Plain values of each process, one after the other; the same on all.
 template <typename T>
-std::vector<T> gathered(Peers& peers, const std::vector<T>& own) {
+std::vector<T> gathered(Communicator& comm, const std::vector<T>& own) {
   const std::string bytes(reinterpret_cast<const char*>(own.data()), own.size() * sizeof(T));
-  return concatenated<T>(peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), bytes)));
+  return concatenated<T>(comm.exchange(std::vector<std::string>(static_cast<std::size_t>(comm.count()), bytes)));
 }
 
 /// The same on the first process alone; nothing on the others.
 template <typename T>
-std::vector<T> gathered_by_first(Peers& peers, const std::vector<T>& own) {
-  std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
+std::vector<T> gathered_by_first(Communicator& comm, const std::vector<T>& own) {
+  std::vector<std::string> to(static_cast<std::size_t>(comm.count()));
   to[0].assign(reinterpret_cast<const char*>(own.data()), own.size() * sizeof(T));
-  return concatenated<T>(peers.exchange(to));
+  return concatenated<T>(comm.exchange(to));
 }
 
-double sum(Peers& peers, double value);
+double sum(Communicator& comm, double value);
 
 /// Per row in contact with neither gap nor pressure the response to a unit pair of forces that opens the crack there,
 /// closed rows tied, and the openings of all of them (kerf/analysis.hpp Biactive).
@@ -140,7 +140,7 @@ class SharedBody {
   /// (pieces_for_pressure). `whole`: the mesh before it was divided, for maps (OwnShare::whole). `precision`: in which
   /// the factors of the insides are kept, most of the memory; rounds then go on until the residual is the same.
   SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
-             const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole = nullptr,
+             const std::vector<Index>& piece, Communicator& comm, std::shared_ptr<const Mesh> whole = nullptr,
              Precision precision = Precision::Double);
   SharedBody(SharedBody&&) noexcept;
   ~SharedBody();

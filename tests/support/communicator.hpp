@@ -1,7 +1,7 @@
 #pragma once
 // Processes that are threads of one program.
 
-#include "solver/spread.hpp"
+#include "solver/divided_body.hpp"
 
 #include <barrier>
 #include <exception>
@@ -10,15 +10,15 @@
 
 namespace kerf::test {
 
-/// work(peers) on each of `count` peers at once. The first exception, by their numbers, is thrown again; a peer that
+/// work(comm) on each of `count` processes at once. The first exception, by their numbers, is thrown again; a peer that
 /// throws leaves the others alone, who must not wait for it: all throw, or none.
-inline void on_peers(int count, const std::function<void(Peers&)>& work) {
+inline void on_peers(int count, const std::function<void(Communicator&)>& work) {
   struct Hub {
     explicit Hub(int n) : all(n), bytes(static_cast<std::size_t>(n)) {}
     std::barrier<> all;
     std::vector<std::vector<std::string>> bytes;  // from each to each
   } hub(count);
-  class Thread : public Peers {
+  class Thread : public Communicator {
    public:
     Thread(Hub& hub, int here, int count) : hub_(hub), here_(static_cast<std::size_t>(here)), count_(count) {}
     Index here() const override {
@@ -59,9 +59,9 @@ inline void on_peers(int count, const std::function<void(Peers&)>& work) {
     std::vector<std::jthread> threads;
     for (int p = 0; p < count; ++p)
       threads.emplace_back([&, p] {
-        Thread peers(hub, p, count);
+        Thread comm(hub, p, count);
         try {
-          work(peers);
+          work(comm);
         } catch (...) {
           failed[static_cast<std::size_t>(p)] = std::current_exception();
         }

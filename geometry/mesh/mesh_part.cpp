@@ -5,7 +5,7 @@
 // children that follow each other, so that all lists are divided by the same rule. See "Solving in parts" in
 // docs/theory/elements.md.
 
-#include "geometry/spread.hpp"
+#include "geometry/mesh_part.hpp"
 
 #include "geometry/part.hpp"
 

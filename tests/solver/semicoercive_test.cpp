@@ -70,7 +70,7 @@ Vec2 resultant(const Solved& s, Index crack) {
 }
 
 // Free to expand sideways, nothing but uniform pressure is possible, in any element.
-TEST(Standing, PassesThePatchTest) {
+TEST(Semicoercive, PassesThePatchTest) {
   for (const Element& e : {bdms(1), bdms(2), element("peers", 1), element("afw", 1), element("bdms-c", 1)}) {
     SCOPED_TRACE(e.name);
     Shape shape = stack(3);
@@ -93,7 +93,7 @@ TEST(Standing, PassesThePatchTest) {
 
 // What goes through every joint is what statics says, with the load anywhere in the middle third or beyond, with
 // friction or without.
-TEST(Standing, TransmitsWhatStaticsSays) {
+TEST(Semicoercive, TransmitsWhatStaticsSays) {
   for (const int blocks : {2, 5})
     for (const double friction : {0.0, 0.3})
       for (const double eccentric : {0.0, 0.2, 0.5}) {
@@ -109,7 +109,7 @@ TEST(Standing, TransmitsWhatStaticsSays) {
       }
 }
 
-TEST(Standing, NamesTheMotionThatNothingResists) {
+TEST(Semicoercive, NamesTheMotionThatNothingResists) {
   const Shape shape = stack(2);
   const auto says = [&](std::function<Vec2(double)> t, const std::string& what) {
     Scene scene = on_ground(shape);
@@ -134,7 +134,7 @@ TEST(Standing, NamesTheMotionThatNothingResists) {
 
 // Loads in balance press two blocks together, and what carries no load stays: the rigid motion is a matter of choice,
 // and said.
-TEST(Standing, WhatIsInBalanceStands) {
+TEST(Semicoercive, WhatIsInBalanceStands) {
   const Shape shape = stack(2);
   Scene free = on_ground(shape, 0.3);
   free.supports.clear();
@@ -160,7 +160,7 @@ TEST(Standing, WhatIsInBalanceStands) {
 
 // Statics decides: a block stands where the thrust meets its foot and is steeper than friction asks for, however near
 // to the end of the foot; else it is said to slide or to tip.
-TEST(Standing, StandsWhereStaticsSays) {
+TEST(Semicoercive, StandsWhereStaticsSays) {
   const Shape shape = stack(2);
   std::mt19937 random(7);
   const auto draw = [&](double low, double high) {
@@ -193,7 +193,7 @@ TEST(Standing, StandsWhereStaticsSays) {
 
 // NAFEMS CGS-4: a block on an incline of slope 0.1 with friction 0.3, pushed uphill along the horizontal: it slips at
 // F/G = (0.1 + 0.3)/(1 - 0.03) = 0.412371.
-TEST(Standing, SlipsUphillWhereNafemsSays) {
+TEST(Semicoercive, SlipsUphillWhereNafemsSays) {
   const Shape shape = stack(2);
   const double a = std::atan(0.1);
   const Vec2 down(-std::sin(a), -std::cos(a)), push(std::cos(a), -std::sin(a));
@@ -219,22 +219,23 @@ TEST(Standing, SlipsUphillWhereNafemsSays) {
 
 // The same wall twice: a block that contact holds sideways between two walls, and the same body with bonded joints
 // under loads that keep the joints closed and without shear: nothing tells them apart.
-TEST(Standing, IsTheBondedBodyWhereNothingOpensOrSlides) {
+TEST(Semicoercive, IsTheBondedBodyWhereNothingOpensOrSlides) {
   const Shape shape = stack(2);
-  Scene standing = on_ground(shape);
-  standing.supports[0].first = false;  // rollers; sideways the bodies are held by their symmetry alone
-  standing.supports.push_back({side, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
-  load_top(standing, [](double x) { return Vec2(0, -0.1 - 0.02 * x * x); });
-  Scene bonded = standing;
+  Scene semicoercive = on_ground(shape);
+  semicoercive.supports[0].first = false;  // rollers; sideways the bodies are held by their symmetry alone
+  semicoercive.supports.push_back(
+      {side, true, true, false, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }});
+  load_top(semicoercive, [](double x) { return Vec2(0, -0.1 - 0.02 * x * x); });
+  Scene bonded = semicoercive;
   bonded.laws[0].kind = CrackLaw::Kind::Bonded;
-  const Solved a = solved(shape, standing, 0.2), b = solved(shape, bonded, 0.2);
+  const Solved a = solved(shape, semicoercive, 0.2), b = solved(shape, bonded, 0.2);
   const double ea = strain_energy(a.model, a.state), eb = strain_energy(b.model, b.state);
   EXPECT_GE(ea, eb * (1 - 1e-9));  // free to slide: softer
   EXPECT_NEAR(ea, eb, 2e-3 * eb);
 }
 
 // T of the energy against holes really made.
-TEST(Standing, MapsHold) {
+TEST(Semicoercive, MapsHold) {
   const Shape shape = stack(2);
   Scene scene = on_ground(shape, 0);
   load_top(scene, [](double x) { return Vec2(0, -0.1 * (1 + 0.6 * x)); });

@@ -30,7 +30,7 @@
 namespace kerf {
 
 // The bytes go before the factor comes: a part has a place once.
-std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threads, Precision precision) {
+std::unique_ptr<SharedSolver> Communicator::solver(std::string packed, Index, int threads, Precision precision) {
   RankPart part;
   {
     const LoggedWork logged(*this, PartsWork::Assembly);
@@ -41,8 +41,8 @@ std::unique_ptr<SharedSolver> Peers::solver(std::string packed, Index, int threa
   return bddc(std::move(part), *this, threads, precision);
 }
 
-double sum(Peers& peers, double value) {
-  peers.sum({&value, 1});
+double sum(Communicator& comm, double value) {
+  comm.sum({&value, 1});
   return value;
 }
 
@@ -61,13 +61,13 @@ namespace {
 /// What the first process has, on all: whatever their processors make of the same numbers.
 /// Processors may differ in the last bit of a decision; a set that differs between processes would make each wait for
 /// another solve.
-void agree(Peers& peers, std::vector<Motion>& motion, Eigen::VectorXd& force) {
+void agree(Communicator& comm, std::vector<Motion>& motion, Eigen::VectorXd& force) {
   std::string bytes;
-  if (peers.here() == 0) {
+  if (comm.here() == 0) {
     bytes.assign(reinterpret_cast<const char*>(motion.data()), motion.size() * sizeof(Motion));
     bytes.append(reinterpret_cast<const char*>(force.data()), static_cast<std::size_t>(force.size()) * sizeof(double));
   }
-  const std::string from = peers.exchange(std::vector<std::string>(static_cast<std::size_t>(peers.count()), bytes))[0];
+  const std::string from = comm.exchange(std::vector<std::string>(static_cast<std::size_t>(comm.count()), bytes))[0];
   std::memcpy(motion.data(), from.data(), motion.size() * sizeof(Motion));
   std::memcpy(force.data(), from.data() + motion.size() * sizeof(Motion), from.size() - motion.size() * sizeof(Motion));
 }
@@ -94,8 +94,8 @@ Places jumps(const Model& m, Index t) {
 
 // The balance comes before contact is found: it makes the model anew.
 SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int threads, const Floating& floating,
-                       const std::vector<Index>& of_whole, Peers& with, const std::shared_ptr<const Mesh>& whole)
-    : peers(with),
+                       const std::vector<Index>& of_whole, Communicator& with, const std::shared_ptr<const Mesh>& whole)
+    : comm(with),
       shown(std::move(given.shown)),
       also_here(std::move(given.seen)),
       process(given.process),
@@ -107,14 +107,14 @@ SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int thread
   if (!of_whole.empty()) uniform.size.setZero(1 + *std::ranges::max_element(of_whole));
   for (Index u = 0; u < model.inner->skeleton.total; ++u)
     if (model.inner->ordering.row[u] != none && owns(model, u)) ++unknowns;
-  unknowns = static_cast<Index>(sum(peers, unknowns));
+  unknowns = static_cast<Index>(sum(comm, unknowns));
 }
 
 // G_ij = int r_i . r_j of (A.7).
 Eigen::MatrixXd SharedBody::Impl::gram() {
   const Inner& inner = *model.inner;
   Eigen::MatrixXd g = gram_of(model.mesh, inner.kernel, inner.skeleton, inner.floating, own_triangles(model));
-  peers.sum({g.data(), static_cast<std::size_t>(g.size())});
+  comm.sum({g.data(), static_cast<std::size_t>(g.size())});
   return g;
 }
 
@@ -130,8 +130,8 @@ void SharedBody::Impl::balance(OwnShare own, const Floating& floating) {
     net[i] = w.value;
     size[i] = w.size;
   }
-  peers.sum({net.data(), static_cast<std::size_t>(n)});
-  peers.sum({size.data(), static_cast<std::size_t>(n)});
+  comm.sum({net.data(), static_cast<std::size_t>(n)});
+  comm.sum({size.data(), static_cast<std::size_t>(n)});
   constexpr double exact = 1e-12;
   if ((net.cwiseAbs().array() <= exact * size.array()).all()) return;
   Scene scene = balanced(std::move(model.scene), floating.motions, solve_spd(gram(), net));
@@ -154,12 +154,12 @@ void SharedBody::Impl::make_system(const std::vector<bool>& rows) {
   now.order = as_numbered(s, &held_unknown);
   now.holder = holders(model.mesh, s, now.order, process);
   for (Index u = 0; u < s.total; ++u)
-    if (now.order.row[u] != none && now.holder[u] == peers.here()) now.own_unknowns.push_back(u);
+    if (now.order.row[u] != none && now.holder[u] == comm.here()) now.own_unknowns.push_back(u);
   // Own rows, in order, are numbers [first, first + own_rows()) among those of all.
-  const std::vector<Index> counts = gathered(peers, std::vector<Index>{now.own_rows()});
+  const std::vector<Index> counts = gathered(comm, std::vector<Index>{now.own_rows()});
   Index first = 0, total = 0;
-  for (Index p = 0; p < peers.count(); ++p) {
-    if (p < peers.here()) first += counts[static_cast<std::size_t>(p)];
+  for (Index p = 0; p < comm.count(); ++p) {
+    if (p < comm.here()) first += counts[static_cast<std::size_t>(p)];
     total += counts[static_cast<std::size_t>(p)];
   }
   now.total = total;
@@ -172,9 +172,9 @@ void SharedBody::Impl::make_system(const std::vector<bool>& rows) {
   const Assembly from{model.mesh, inner.kernel, s, model.scene, inner.data, now.order};
   std::vector<Index> own(static_cast<std::size_t>(inner.own->triangles));
   std::iota(own.begin(), own.end(), 0);
-  now.solver = peers.solver(
-      packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()), total,
-      model.threads, precision);
+  now.solver =
+      comm.solver(packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()),
+                  total, model.threads, precision);
 }
 
 // Each set of held rows has a solver of its own; their counts add up, the largest values stand.
@@ -203,7 +203,7 @@ void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>&
       if (p.at[i] != none) seen_here[p.at[i]] = true;
   }
   const auto once = [&](const auto& takes) {
-    std::vector<std::string> to(static_cast<std::size_t>(peers.count()));
+    std::vector<std::string> to(static_cast<std::size_t>(comm.count()));
     for (std::size_t p = 0; p < to.size(); ++p)
       for (const Index t : shown[p]) {
         const Places place = where(t);
@@ -212,7 +212,7 @@ void SharedBody::Impl::spread(Eigen::VectorXd& values, const std::vector<Index>&
           to[p].append(reinterpret_cast<const char*>(&value), sizeof value);
         }
       }
-    const std::vector<std::string> from = peers.exchange(to);
+    const std::vector<std::string> from = comm.exchange(to);
     for (std::size_t p = 0; p < from.size(); ++p) {
       const char* at = from[p].data();
       for (const Index t : also_here[p]) {
@@ -252,13 +252,13 @@ void SharedBody::Impl::find_contact(const PartOfPaths& paths) {
     own.push_back(q);
   }
   // Points of process p come behind those of lower ones, and so do their rows.
-  const std::vector<Index> counts = gathered(peers, std::vector<Index>{rows}),
-                           sizes = gathered(peers, std::vector<Index>{static_cast<Index>(own.size())});
-  points = gathered(peers, own);
+  const std::vector<Index> counts = gathered(comm, std::vector<Index>{rows}),
+                           sizes = gathered(comm, std::vector<Index>{static_cast<Index>(own.size())});
+  points = gathered(comm, own);
   std::size_t next = 0;
   Index offset = 0;
-  for (Index p = 0; p < peers.count(); ++p) {
-    if (p == peers.here()) first_contact = offset;
+  for (Index p = 0; p < comm.count(); ++p) {
+    if (p == comm.here()) first_contact = offset;
     for (Index k = 0; k < sizes[p]; ++k, ++next)
       for (Index* row : {&points[next].normal, &points[next].tangential})
         if (*row != none) *row += offset;
@@ -285,7 +285,7 @@ std::vector<Motion> SharedBody::Impl::first_motions(const ContactGuess& guess) {
   const std::vector<Motion> local = motions_of(model.mesh, inner.skeleton, inner.ordering, inner.kernel, guess, &paths);
   std::vector<Motion> own;
   for (const Index u : own_contact) own.push_back(local[inner.ordering.row[u] - leading_rows()]);
-  return gathered(peers, own);
+  return gathered(comm, own);
 }
 
 // Every row is own on one process, so that the sum puts the pieces together.
@@ -293,7 +293,7 @@ Eigen::VectorXd SharedBody::Impl::on_contact(const Eigen::VectorXd& values) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(contact_rows);
   for (std::size_t i = 0; i < own_contact.size(); ++i)
     all[first_contact + static_cast<Index>(i)] = values[own_contact[i]];
-  peers.sum({all.data(), static_cast<std::size_t>(all.size())});
+  comm.sum({all.data(), static_cast<std::size_t>(all.size())});
   return all;
 }
 
@@ -316,7 +316,7 @@ Index SharedBody::Impl::jump_at(Index base) const {
 }
 
 // Back from z: the jump moves by z_j - z_u.
-void SharedBody::Impl::move(const Eigen::VectorXd& own, Twofold& x) {
+void SharedBody::Impl::move(const Eigen::VectorXd& own, DoubleDouble& x) {
   const Skeleton& s = model.inner->skeleton;
   Eigen::VectorXd z = Eigen::VectorXd::Zero(s.total), moved = z;
   for (Index i = 0; i < now.own_rows(); ++i) z[now.own_unknowns[i]] = own[i];
@@ -358,7 +358,7 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   }
   // Largest values first: the sizes that later comparisons are relative to must be the same on all processes.
   std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
-  peers.largest(most);
+  comm.largest(most);
   const double rounding = force_of_rounding(most[3]);
   load = std::max(most[0], rounding);
   r.certificate.residual = most[1] / load;
@@ -381,7 +381,7 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   }
   std::array<double, 3> sums{balance.energy, work,
                              balance.noise + (model.inner->data.strain.empty() ? 0 : strain_energy(model, field))};
-  peers.sum(sums);
+  comm.sum(sums);
   r.size = std::abs(sums[0]) + sums[2] + rounding * std::numeric_limits<double>::epsilon() * most[3];
   r.certificate.work = r.size > 0 ? std::abs(sums[0] - sums[1]) / r.size : 0;
   r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
@@ -397,12 +397,12 @@ void SharedBody::Impl::correct(Round& r, State& state) {
     return;
   }
   const Skeleton& s = model.inner->skeleton;
-  const LoggedWork logged(peers, PartsWork::Contact);
+  const LoggedWork logged(comm, PartsWork::Contact);
   const auto respond = [&](const std::vector<Motion>& wanted, const Eigen::VectorXd& given) -> Response {
     // All take the decisions of the first process.
     std::vector<Motion> motion = wanted;
     Eigen::VectorXd force = given.size() == contact_rows ? given : Eigen::VectorXd::Zero(contact_rows);
-    agree(peers, motion, force);
+    agree(comm, motion, force);
     hold(held_by(motion, contact_rows));
     Eigen::VectorXd closed = Eigen::VectorXd::Zero(s.total);  // jumps that are taken back
     for (Index u = s.base; u < s.total; ++u)
@@ -432,7 +432,7 @@ void SharedBody::Impl::correct(Round& r, State& state) {
 Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(uniform.size.size());
   for (Index t = 0; t < own_triangles(model); ++t) sum[piece[t]] += cell_area(model, t) * values[t];
-  peers.sum({sum.data(), static_cast<std::size_t>(sum.size())});
+  comm.sum({sum.data(), static_cast<std::size_t>(sum.size())});
   return sum;
 }
 
@@ -448,7 +448,7 @@ void SharedBody::Impl::find_responses(int& solves) {
   uniform.stiffness.resize(count, count);
   for (Index k = 0; k < static_cast<Index>(count); ++k) {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total), left(triangles), weight(triangles);
-    Twofold x{force, force};
+    DoubleDouble x{force, force};
     for (Index t = 0; t < triangles; ++t) {
       if (piece[t] != k) continue;
       const Seen view = seen(model.mesh, s, t);
@@ -477,7 +477,7 @@ void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, boo
   take_out_uniform(loads, r, solves, must_fit);
   const ThetaChange moved = move_theta(model, loads, r.x, r.theta);
   std::array<double, 2> both{moved.change, moved.size};
-  peers.largest(both);
+  comm.largest(both);
   r.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
 }
 
@@ -495,8 +495,8 @@ void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solve
   if (uniform.level_open) {
     std::array<double, 2> most{theta.cwiseAbs().maxCoeff(), 0};
     for (const double v : model.inner->skeleton.prescribed) most[1] = std::max(most[1], std::abs(v));
-    peers.largest(most);
-    if (must_fit) check_volume(2 * rest.sum(), most[0], most[1], sum(peers, area(model)));
+    comm.largest(most);
+    if (must_fit) check_volume(2 * rest.sum(), most[0], most[1], sum(comm, area(model)));
     rest -= uniform.size * (rest.sum() / uniform.size.sum());
     scaled += root * root.transpose() / uniform.size.sum();
   }
@@ -515,7 +515,7 @@ void SharedBody::Impl::take_out_level(const Loads& loads, Round& r) {
     sums[0] += cell_area(model, t) * next[t] / penalty_at(model, t);
     sums[1] += cell_area(model, t);
   }
-  peers.sum(sums);
+  comm.sum(sums);
   for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] -= penalty_at(model, t) * sums[0] / sums[1];
 }
 
@@ -554,7 +554,7 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   if (penalized && uniform.level_open && contact_rows > 0) throw Error(Fault::Numerics, open_level);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   const Eigen::VectorXd rest = best.unmet - state.force;
-  Twofold answer{Eigen::VectorXd::Zero(rest.size()), Eigen::VectorXd::Zero(rest.size())};
+  DoubleDouble answer{Eigen::VectorXd::Zero(rest.size()), Eigen::VectorXd::Zero(rest.size())};
   settle(rest, answer);
   const double error = std::abs(work(rest, answer.high));
   state.certificate = best.certificate;
@@ -563,7 +563,7 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   state.eigenstrain = model.inner->data.strain.empty() ? 0 : 1;
   if (!model.inner->floating.empty()) {
     Eigen::VectorXd moments = floating_moments(model, state);
-    peers.sum({moments.data(), static_cast<std::size_t>(moments.size())});
+    comm.sum({moments.data(), static_cast<std::size_t>(moments.size())});
     remove_motions(model, solve_spd(gram(), moments), state);
   }
   if (!keep_factor) drop_factor();
@@ -580,9 +580,9 @@ void SharedBody::Impl::drop_factor() {
 }
 
 SharedBody::SharedBody(MeshPart part, const Element& e, Scene scene, int threads, const Floating& floating,
-                       const std::vector<Index>& piece, Peers& peers, std::shared_ptr<const Mesh> whole,
+                       const std::vector<Index>& piece, Communicator& comm, std::shared_ptr<const Mesh> whole,
                        Precision precision)
-    : impl_(std::make_unique<Impl>(std::move(part), e, std::move(scene), threads, floating, piece, peers, whole)) {
+    : impl_(std::make_unique<Impl>(std::move(part), e, std::move(scene), threads, floating, piece, comm, whole)) {
   impl_->precision = precision;
 }
 SharedBody::SharedBody(SharedBody&&) noexcept = default;

@@ -8,12 +8,12 @@ namespace kerf {
 
 /// Straight triangles inside the body that agree in shape and material share one elimination. Equal are edges that
 /// differ by less than 2e-13 of the longest: what rounding leaves of a lattice.
-class Alike {
+class CongruentTriangles {
  public:
-  Alike() = default;
+  CongruentTriangles() = default;
   /// `penalty`: Penalty::a times mu. Nothing is shared where an eigenstrain acts.
-  Alike(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const SceneData& data, double penalty,
-        int threads);
+  CongruentTriangles(const Mesh& mesh, const Kernel& k, const Skeleton& s, const Scene& scene, const SceneData& data,
+                     double penalty, int threads);
 
   /// Tells triangle t of its shared shape, if it has one for loads like its own.
   void share(Index t, LocalTriangle& local) const;

@@ -11,11 +11,11 @@ namespace kerf {
 
 /// Columns w that enter one batch after the other, as y = L^-1 P w: nothing outside the way to the root, so that many
 /// cost less than a few solves. The factor must outlive this.
-class HalfSolved {
+class PartialForward {
  public:
   using Column = std::vector<std::pair<Index, double>>;  // rows of the matrix and values
 
-  explicit HalfSolved(const Factor& factor);
+  explicit PartialForward(const Factor& factor);
 
   /// Numbered on from those that are there. Their products with all: entry (i, k) is that of column i, of all, with the
   /// k-th new one.

@@ -10,29 +10,29 @@
 namespace kerf {
 
 /// x(s) = chord(s) + s (1 - s) (q[0] + q[1] s + q[2] s^2) for s from 0 to 1 along the edge's own direction.
-struct Bow {
+struct EdgeCurvature {
   std::array<Vec2, 3> q = {Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
 };
-inline Vec2 height(const Bow& b, double s) {
+inline Vec2 height(const EdgeCurvature& b, double s) {
   return b.q[0] + s * (b.q[1] + s * b.q[2]);
 }
-inline Vec2 height_slope(const Bow& b, double s) {
+inline Vec2 height_slope(const EdgeCurvature& b, double s) {
   return b.q[1] + 2 * s * b.q[2];
 }
 
 /// Of degree 2, 3 or (above) 4, for a piece of an ellipse: farther from it than rounding by O(h^(2 degree))
 /// [theory: E.24].
-Bow bow_of(const Arc& piece, int degree);
+EdgeCurvature curvature_of(const Arc& piece, int degree);
 
 /// The curved edges of a mesh as an element sees them.
-struct Bows {
-  std::vector<Bow> all;
+struct EdgeCurvatures {
+  std::vector<EdgeCurvature> all;
   std::vector<Index> of;  // per edge its place in `all` or none; empty when all edges are straight
 };
 /// Throws Error(Usage) for an element whose cells are straight, Error(Numerics) that names the place where a cell
 /// folds.
-Bows bows_of(const Mesh& mesh, const Element& e);
-const Bow* bow_at(const Bows& bows, Index edge);
+EdgeCurvatures curvatures_of(const Mesh& mesh, const Element& e);
+const EdgeCurvature* curvature_at(const EdgeCurvatures& curvatures, Index edge);
 
 /// A point of an edge of the mesh, what a step of s is there (dx/ds), in the edge's direction.
 struct OnEdge {
@@ -40,7 +40,7 @@ struct OnEdge {
 };
 /// The slope is that of the polynomial where the edge is curved, the chord otherwise; |slope| is the length per unit of
 /// s.
-OnEdge on_edge(const Mesh& mesh, const Bows& bows, Index edge, double s);
+OnEdge on_edge(const Mesh& mesh, const EdgeCurvatures& curvatures, Index edge, double s);
 /// The normal there times |dx/ds|, on the side of `towards`.
 inline Vec2 normal_at(const OnEdge& p, const Vec2& towards) {
   const Vec2 n(p.slope.y(), -p.slope.x());
