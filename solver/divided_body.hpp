@@ -1,9 +1,11 @@
 #pragma once
 // A body that several processes solve together, each on its own part of the mesh: none ever has the whole.
 
+#include "base/sums.hpp"
 #include "geometry/mesh_part.hpp"
 #include "kerf/adjoint.hpp"
-#include "solver/ranks.hpp"
+#include "solver/effort.hpp"
+#include "solver/part_matrix.hpp"
 
 #include <cstring>
 #include <functional>
@@ -18,7 +20,7 @@ struct Floating;  // solver/system.hpp
 inline constexpr std::size_t least_of_part = 8;
 
 /// What solves cost, and how many of them ended before they were as exact as asked; why, of the last of these.
-struct SharedEffort : PartedEffort {
+struct SharedEffort : SolverEffort {
   int unfinished = 0;
   std::string ended = {};
 };
@@ -29,6 +31,8 @@ class SharedSolver {
   virtual ~SharedSolver() = default;
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& own) = 0;  // throws Error(Numerics) when it does not converge
   virtual SharedEffort effort() const = 0;
+  /// The largest diagonal entry of what this process has of K.
+  virtual double stiffest() const = 0;
 };
 
 /// What several processes share of a system: symmetric and positive definite. Vectors are those of the rows here, the
@@ -123,6 +127,7 @@ std::vector<T> gathered_by_first(Communicator& comm, const std::vector<T>& own) 
 }
 
 double sum(Communicator& comm, double value);
+Sums sums_over(Communicator& comm);
 
 /// Per row in contact with neither gap nor pressure the response to a unit pair of forces that opens the crack there,
 /// closed rows tied, and the openings of all of them (kerf/analysis.hpp Biactive).
@@ -169,7 +174,15 @@ class SharedBody {
 /// What SharedBody is to know of the materials of a mesh that is not divided yet.
 std::vector<Index> pieces_for_pressure(const Mesh& mesh, const Scene& scene);
 
+/// Throws Error(Usage) for an element whose unknowns do not live on edges alone: it is not solved in parts.
+void require_edges_alone(const Element& e);
+
+/// A part for each node of a graph, so that parts are of one size and few edges are cut: `start` and `neighbors` as
+/// `dissection` has them.
+using Partitioner =
+    std::function<std::vector<Index>(const std::vector<Index>& start, const std::vector<Index>& neighbors)>;
+
 /// The process of each triangle, so that their parts are of one size and few edges are cut.
-std::vector<Index> shares(const Model& model, Ranks& ranks);
+std::vector<Index> shares(const Model& model, const Partitioner& partitioner);
 
 }  // namespace kerf

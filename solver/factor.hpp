@@ -2,6 +2,7 @@
 // A factorized sparse symmetric matrix.
 
 #include "kerf/types.hpp"
+#include "solver/effort.hpp"
 #include "solver/system/lu.hpp"
 #include "solver/system/multifrontal.hpp"
 
@@ -19,18 +20,14 @@ std::vector<Index> dissection(const std::vector<Index>& start, const std::vector
 /// The BLAS and OpenMP on one thread each, from here on: processes and threads of kerf share the cores themselves.
 void use_one_thread();
 
-struct PartedEffort;  // solver/ranks.hpp
-
 /// Solves with the rows of a matrix that no contact law acts on, by other means than a factor.
 class LeadingSolver {
  public:
   virtual ~LeadingSolver() = default;
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
-  virtual PartedEffort effort() const = 0;
-  /// The lower Cholesky factor of S, where it is known without solves.
-  virtual const Eigen::MatrixXd* contact_factor() const {
-    return nullptr;
-  }
+  virtual SolverEffort effort() const = 0;
+  /// The lower Cholesky factor of S.
+  virtual const Eigen::MatrixXd& contact_factor() const = 0;
 };
 
 /// P' K P = L L' by CHOLMOD's analysis and a numeric phase of our own, in the order in which K comes: rows
@@ -44,9 +41,8 @@ class Factor {
          int threads = 1);
   /// Of a definite matrix whose rows may be eliminated in any order: `sequence[k]` is the k-th. There is no last block.
   Factor(const LowerTriangle& lower, std::span<const Index> sequence, int threads = 1);
-  /// Of a definite matrix whose leading rows `leading` solves: S by a solve per row in contact, unless it is
-  /// known, then two for each solve [theory: E.31]. The halves below are those of a block elimination, which `backward`
-  /// undoes.
+  /// Of a definite matrix whose leading rows `leading` solves, two for each solve [theory: E.31]. The halves below are
+  /// those of a block elimination, which `backward` undoes.
   Factor(const LowerTriangle& lower, Index contact_rows, std::unique_ptr<LeadingSolver> leading);
   ~Factor();
   Factor(Factor&&) noexcept;

@@ -39,13 +39,8 @@ struct Inner {
   std::optional<OwnShare> own = {};        // nothing: all of it
 };
 
-class Ranks;  // solver/ranks.hpp
-
-/// `prepare` (kerf/model.hpp), the condensed system solved in parts by `ranks`, or here alone when there are none.
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
-              std::shared_ptr<Ranks> ranks);
 /// What its solves in parts took so far; nothing without parts.
-std::optional<PartedEffort> parted_effort(const Model& model);
+std::optional<SolverEffort> solver_effort(const Model& model);
 
 /// What is fixed of a body that its supports leave free to move: of the edge between two points the unknown `at`.
 struct Pin {

@@ -37,9 +37,8 @@ static void fields(Visit& visit, T& floating) {
 
 template <typename Visit, Like<PartTask> T>
 static void fields(Visit& visit, T& t) {
-  visit(t.coarse, t.process, t.folder, t.divisions, t.threads, t.vtk, t.estimate, t.peaks, t.tips, t.bounds, t.copy);
-  visit(t.map, t.zones.points, t.zones.radius, t.precision, t.piece, t.contact, t.floating, t.measured, t.green);
-  visit(t.adapts, t.error, t.max_triangles, t.rounds);
+  visit(t.coarse, t.process, t.folder, t.threads, t.vtk, t.copy, t.map, t.zones.points, t.zones.radius);
+  visit(t.piece, t.contact, t.floating, t.measured, t.green, t.rounds);
 }
 
 namespace {

@@ -14,20 +14,15 @@ struct PartTask {
   Mesh coarse;
   std::vector<Index> process;  // per triangle of it
   std::string folder;
-  int divisions = 0, threads = 1;
-  bool vtk = true, estimate = true, peaks = true, tips = true, bounds = true, copy = false, map = false;
+  int threads = 1;
+  bool vtk = true, copy = false, map = false;
   SingularZones zones = {};  // of the body, which a part does not show
-  Precision precision = Precision::Double;
   Floating floating = {};
   std::vector<Index> piece = {};  // SharedBody
   ContactGuess contact = {};
-  Floating measured = {};  // floating, of the body with measured displacements
-  std::string green = {};  // packed, of maps of clamped holes (topo/clamped_parts.hpp)
-  // With mesh.adapt: the rounds before, whose last one alone is more than estimated.
-  bool adapts = false;
-  double error = 0;
-  Index max_triangles = 0;
-  std::vector<Round> rounds = {};
+  Floating measured = {};          // floating, of the body with measured displacements
+  std::string green = {};          // packed, of maps of clamped holes (topo/clamped_parts.hpp)
+  std::vector<Round> rounds = {};  // of mesh.adapt before this one; of the last one alone more than the error is wanted
 };
 
 std::string packed(const PartTask& task);

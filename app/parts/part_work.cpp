@@ -320,7 +320,15 @@ struct Bodies {
   Communicator& comm;
   std::shared_ptr<const Mesh> whole;
   SharedBody make(MeshPart part, const Scene& scene, const Floating& floating) const {
-    return {std::move(part), c.element, scene, task.threads, floating, task.piece, comm, whole, task.precision};
+    return {std::move(part),
+            c.element,
+            scene,
+            task.threads,
+            floating,
+            task.piece,
+            comm,
+            whole,
+            c.precision == FactorPrecision::Single ? Precision::Single : Precision::Double};
   }
 };
 
@@ -336,18 +344,13 @@ Analysis analyze_in_parts(const Bodies& bodies, SharedBody& body, const State& s
   return analyze(c.functional, body.model(), state, whole_body(body, state, comm, measured), !task.map);
 }
 
-Sums sums_over(Communicator& comm) {
-  return {[&comm](std::span<double> v) { comm.sum(v); }, [&comm](std::span<double> v) { comm.largest(v); }};
-}
-
 /// The indicator of all triangles here, and the error of the body.
-Indicator estimate(const Case& c, const PartTask& task, const Model& model, const State& state, Communicator& comm,
-                   FoundTogether& found) {
+Indicator estimate(const Case& c, const Model& model, const State& state, Communicator& comm, FoundTogether& found) {
   Indicator indicator;
-  if (!task.estimate || !can_estimate_error(model.element)) return indicator;
+  if (!c.output.estimate || !can_estimate_error(model.element)) return indicator;
   const Sums over_all = sums_over(comm);
   indicator = error_indicator(model, state, over_all);
-  add_chords(c.shape, task.divisions, model, state, indicator, over_all);
+  add_chords(c.shape, c.divisions, model, state, indicator, over_all);
   if (indicator.stress > 0) found.error = indicator.relative;
   found.round = {.triangles = static_cast<Index>(sum(comm, own_triangles(model))),
                  .estimated_error = found.error.value_or(0),
@@ -357,14 +360,15 @@ Indicator estimate(const Case& c, const PartTask& task, const Model& model, cons
 }
 
 /// Why this round is the last one: on all processes the same.
-std::string end_of_rounds(const PartTask& task, const Model& model, Communicator& comm, const FoundTogether& found) {
+std::string end_of_rounds(const Case& c, const PartTask& task, const Model& model, Communicator& comm,
+                          const FoundTogether& found) {
   const std::string here = unseen_by_estimate(model);
   std::string unseen;
   for (const std::string& words : comm.exchange(std::vector<std::string>(static_cast<std::size_t>(comm.count()), here)))
     if (unseen.empty()) unseen = words;
   std::vector<Round> rounds = task.rounds;
   rounds.push_back(found.round);
-  return reason_to_end(rounds, unseen, {.error = task.error, .max_triangles = task.max_triangles});
+  return reason_to_end(rounds, unseen, {.error = c.adapt->error, .max_triangles = c.adapt->max_triangles});
 }
 
 /// Of the triangles of all processes.
@@ -398,8 +402,8 @@ Eigen::VectorXd on_undivided(const Eigen::VectorXd& eta, const std::vector<Index
 FoundTogether work_together(const Case& given, PartTask task, Communicator& comm) {
   Case c = given;
   c.sizing.curved = c.sizing.curved && !task.coarse.arc.empty();  // the first process may have drawn chords
-  MeshPart part = mesh_part(task.coarse, task.process, static_cast<int>(comm.count()), comm.here(), task.divisions);
-  const SharedTips tips(task.coarse, c.scene, task.divisions);
+  MeshPart part = mesh_part(task.coarse, task.process, static_cast<int>(comm.count()), comm.here(), c.divisions);
+  const SharedTips tips(task.coarse, c.scene, c.divisions);
   const std::size_t undivided = task.coarse.triangles.size();
   const bool on_chords = is_of_polygon(c.shape, task.coarse);
   FoundTogether found;
@@ -415,9 +419,9 @@ FoundTogether work_together(const Case& given, PartTask task, Communicator& comm
   SharedBody body = bodies.make(std::move(part), c.scene, task.floating);
   const Model& model = body.model();
   State state = body.solve(task.contact, task.map && needs_adjoint(c.functional, model, comm));
-  const Indicator indicator = estimate(c, task, model, state, comm, found);
-  if (task.adapts) {
-    found.stopped = end_of_rounds(task, model, comm, found);
+  const Indicator indicator = estimate(c, model, state, comm, found);
+  if (c.adapt) {
+    found.stopped = end_of_rounds(c, task, model, comm, found);
     if (found.stopped.empty()) {
       found.eta = on_undivided(indicator.eta, origin, own_triangles(model), undivided, comm);
       return found;
@@ -443,16 +447,16 @@ FoundTogether work_together(const Case& given, PartTask task, Communicator& comm
   gather_cracks(model, state, from, comm, found);
   gather_probes(c, model, state, comm, found);
   const Sums over_all = sums_over(comm);
-  if (task.tips) found.tips = tips.intensities(model, state, found.profiles, over_all);
-  if (task.bounds)
+  if (c.output.tips) found.tips = tips.intensities(model, state, found.profiles, over_all);
+  if (c.output.energy_bounds)
     found.energy =
         energy_bounds(model, state, over_all, [&](const Eigen::VectorXd& forces) { return body.solve_open(forces); });
   body.drop_factor();
   sum_reactions(model, state, c.shape.labels.size(), comm, found);
-  if (task.vtk || task.peaks || task.map || task.copy) {
+  if (task.vtk || c.output.peaks || task.map || task.copy) {
     const PlotData data = plot_data(model, state, c.plane_strain);
     const OwnPlot own = own_plot(data, own_triangles(model));
-    if (task.peaks) {
+    if (c.output.peaks) {
       found.von_mises = largest_of(comm, peak(own.points, data.von_mises(own.corner), task.zones));
       if (found.von_mises && !on_chords)  // corners of chords have a note
         refine_peak(model, state, data, c.plane_strain, task.zones, own.corner, comm, *found.von_mises);

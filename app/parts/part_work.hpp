@@ -33,7 +33,7 @@ struct FoundTogether {
   std::vector<std::vector<std::vector<double>>> probes;  // rows of each
   std::vector<CopiedCenter> centers;                     // of the first process alone, as those at the corners
   std::vector<CopiedCorner> copied;                      // of the first process alone
-  // With PartTask::adapts: this round; why it is the last one, or else the indicator of the triangles before they were
+  // With mesh.adapt: this round; why it is the last one, or else the indicator of the triangles before they were
   // divided, of the first process alone, and nothing of what is above.
   Round round;
   std::string stopped;

@@ -10,7 +10,7 @@
 #include "app/parts/parts.hpp"
 
 #include "app/parts/part_work.hpp"
-#include "app/ranks.hpp"
+#include "app/processes.hpp"
 #include "app/run/coarse_copy.hpp"
 #include "app/run/collect.hpp"
 #include "app/run/map.hpp"
@@ -46,12 +46,22 @@ namespace kerf {
 namespace {
 
 [[noreturn]] void fail_in_parts(const Case& c, const std::string& why) {
-  throw Error(Fault::Usage, fmt::format("{}: on several processes none has the whole of a divided mesh, and {}; use a "
-                                        "smaller mesh.size instead",
-                                        place_of(c, "mesh.refine"), why));
+  throw Error(Fault::Usage,
+              fmt::format("{}: on several processes none has the whole of the mesh, and {}; start kerf as "
+                          "one process",
+                          place_of(c, "solver.backend"), why));
 }
 
-/// Throws Error(Usage) for what needs more of the whole than the sums of its parts.
+/// Throws Error(Usage) for what needs more of the whole than the sums of its parts, as the case says it.
+void refuse_in_parts(const Case& c) {
+  if (c.optimize && !c.optimize->load_cases.empty())
+    fail_in_parts(c, "its loads are those of [[boundary]] and [body] alone, not those of [[load_case]]");
+  if (c.bounds) fail_in_parts(c, "[bounds] asks for intervals, which take the whole");
+  if (c.adapt && c.adapt->of) fail_in_parts(c, "mesh.adapt.of asks for intervals, which take the whole");
+  if (c.map_request.bounds) fail_in_parts(c, "the error bars of a map (map.bounds) take the whole");
+  if (std::ranges::any_of(c.probes, &Probe::bounds)) fail_in_parts(c, "the stresses at a probe are not bounded there");
+}
+/// The same, as its mesh shows it.
 void refuse_parts(const Model& coarse, const Case& c, bool with_map) {
   const auto fail = [&](const char* why) { fail_in_parts(c, why); };
   if (!coarse.inner->semicoercive.empty()) fail("what contact alone holds is known of the whole alone");
@@ -149,10 +159,11 @@ void draw(const Case& c, const Result& r, CoarseCopy& copy, Journal& journal) {
 /// The rounds of a solution; one without mesh.adapt.
 struct InParts {
   InParts(const Case& of, bool map, Processes& with, Journal& to, Result& result)
-      : c(of), with_map(map), processes(with), journal(to), r(result), ranks(with.ranks(of.petsc)) {}
+      : c(of), with_map(map), processes(with), journal(to), r(result) {
+    processes.take_options(of.petsc);
+  }
 
   FoundTogether solve() {
-    if (c.adapt && c.adapt->of) fail_in_parts(c, "mesh.adapt.of asks for intervals, which take the whole");
     if (c.adapt) require(c.element, can_estimate_error);
     if (c.precision == FactorPrecision::Single && !processes.by_kerf())
       throw Error(Fault::Usage, fmt::format("{}: -pc_type selects a solver of PETSc, whose factors are in double "
@@ -165,7 +176,7 @@ struct InParts {
       before = undivided(c, given, journal);
       PartTask task = task_for(before);
       task.rounds = rounds;
-      zones = task.peaks ? task.zones : SingularZones{};
+      zones = c.output.peaks ? task.zones : SingularZones{};
       journal.seconds.mesh += journal.lap();
       journal.begin("solve in parts");
       FoundTogether found;
@@ -214,25 +225,18 @@ struct InParts {
                               place_of(c, "mesh.refine"), mesh.triangles.size(), processes.count()));
     describe_divided(mesh, c.divisions, r);
     PartTask task{.coarse = mesh,
-                  .process = shares(u.model, *ranks),
+                  .process = shares(u.model, [this](const auto& start,
+                                                    const auto& near) { return processes.partition(start, near); }),
                   .folder = std::filesystem::absolute(journal.options.folder).string(),
-                  .divisions = c.divisions,
                   .threads = journal.options.threads,
                   .vtk = journal.vtk,
-                  .estimate = c.output.estimate,
-                  .peaks = c.output.peaks,
-                  .tips = c.output.tips,
-                  .bounds = c.output.energy_bounds,
                   .copy = journal.png || journal.html || with_map,
                   .map = with_map,
-                  .precision = c.precision == FactorPrecision::Single ? Precision::Single : Precision::Double,
                   .floating = floating_of(u.model, c.divisions),
                   .piece = pieces_for_pressure(mesh, c.scene),
-                  .contact = u.contact,
-                  .adapts = c.adapt.has_value()};
-    if (task.peaks || task.map) task.zones = singular_zones(u.model, extent(c.shape));
+                  .contact = u.contact};
+    if (c.output.peaks || task.map) task.zones = singular_zones(u.model, extent(c.shape));
     if (with_map && !has_series(c.map_request.perturbation)) task.green = green_before_division(u);
-    if (c.adapt) task.error = c.adapt->error, task.max_triangles = c.adapt->max_triangles;
     for (const Term& term : c.functional.terms)
       if (term.measured) task.measured = floating_of(measured_body(c, u.model, *term.measured), c.divisions);
     return task;
@@ -252,29 +256,11 @@ struct InParts {
   Processes& processes;
   Journal& journal;
   Result& r;
-  std::shared_ptr<Ranks> ranks;
 };
 
-}  // namespace
-
-void work_on_part(const Case& c, std::string_view task, Communicator& comm) {
-  work_together(c, unpacked(task), comm);
-}
-
-CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes, Journal& journal, Result& r) {
-  Case c = given;
-  InParts in_parts(c, with_map, processes, journal, r);
-  FoundTogether found;
-  try {
-    found = in_parts.solve();
-  } catch (const FoldedTriangle& e) {  // before there was a task
-    if (c.curved.value_or(false)) throw;
-    draw_chords(c, e.what());
-    found = in_parts.solve();
-  }
-  Undivided& before = in_parts.before;
-  const Model& coarse = before.model;
-  StateResult& s = r.state.emplace();
+/// The section of the state, but for notes that look at cracks or at what follows.
+StateResult state_of(const Case& c, const Model& coarse, bool with_map, const FoundTogether& found) {
+  StateResult s;
   s.element = c.element.name;
   s.degree = c.element.degree;
   s.condensed_unknowns = found.unknowns;
@@ -303,7 +289,12 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
       "it was divided; state.pvtu has the fields");
   if (found.energy) add_energy_bounds(*found.energy, s);
   add_resultants(coarse, found.reactions, c.shape, s);
-  r.solver = solver_result(found.effort);
+  return s;
+}
+
+/// The cracks, with what notes on contact look at.
+ContactMeasures add_cracks(const Case& c, const Model& coarse, const SingularZones& zones, FoundTogether& found,
+                           Result& r) {
   const std::vector<std::array<bool, 2>> tips = ends_inside(coarse.mesh);
   const std::size_t per_edge = static_cast<std::size_t>(coarse.inner->skeleton.per_edge) / 2;
   for (std::size_t k = 0; k < found.profiles.size(); ++k)
@@ -311,9 +302,63 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
         crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k], {tips[k], per_edge}));
   for (const TipIntensity& tip : found.tips)
     r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
-  add_pressures({tips, per_edge, in_parts.zones.points, extent(c.shape)}, r.cracks);
+  add_pressures({tips, per_edge, zones.points, extent(c.shape)}, r.cracks);
   ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
   for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
+  return contact;
+}
+
+/// The files of state, map, cracks and probes; what limits the map.
+void write_found(const Case& c, const Undivided& before, int processes, FoundTogether& found, Journal& journal,
+                 Result& r) {
+  StateResult& s = *r.state;
+  const Model& coarse = before.model;
+  journal.begin("write the state");
+  const auto write_grid = [&](const std::string& name, const std::vector<NamedField>& fields) {
+    std::vector<std::string> pieces;
+    for (Index p = 0; p < static_cast<Index>(processes); ++p) pieces.push_back(piece_name(name, p));
+    if (journal.vtk) write_pvtu(journal.file(name + ".pvtu"), pieces, fields);
+  };
+  write_grid("state", found.fields);
+  if (found.map) {
+    r.map = std::move(found.map);
+    for (std::string& note : limits_before_division(c, before, *r.map, journal.options.threads))
+      s.notes.push_back(std::move(note));
+    write_grid("map", found.map_fields);
+    if (!r.map->points.empty())
+      write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
+  }
+  if (!c.probes.empty() || c.map)
+    for (std::string& note : notes_on_points(c, coarse.mesh, make_locator(coarse.mesh), r.map.has_value()))
+      s.notes.push_back(std::move(note));
+  write_crack_files(journal, r.cracks);
+  for (std::size_t k = 0; k < c.probes.size(); ++k)
+    write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
+}
+
+}  // namespace
+
+void work_on_part(const Case& c, std::string_view task, Communicator& comm) {
+  work_together(c, unpacked(task), comm);
+}
+
+CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes, Journal& journal, Result& r) {
+  refuse_in_parts(given);
+  Case c = given;
+  InParts in_parts(c, with_map, processes, journal, r);
+  FoundTogether found;
+  try {
+    found = in_parts.solve();
+  } catch (const FoldedTriangle& e) {  // before there was a task
+    if (c.curved.value_or(false)) throw;
+    draw_chords(c, e.what());
+    found = in_parts.solve();
+  }
+  Undivided& before = in_parts.before;
+  const Model& coarse = before.model;
+  StateResult& s = r.state.emplace(state_of(c, coarse, with_map, found));
+  r.solver = solver_result(found.effort);
+  const ContactMeasures contact = add_cracks(c, coarse, in_parts.zones, found, r);
   add_notes(c,
             {.body = coarse,
              .triangles = static_cast<std::size_t>(r.triangles),
@@ -338,27 +383,7 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
     if (c.precision == FactorPrecision::Single)
       *r.reason += "; factors in double precision may serve (solver.precision)";
   }
-  journal.begin("write the state");
-  const auto write_grid = [&](const std::string& name, const std::vector<NamedField>& fields) {
-    std::vector<std::string> pieces;
-    for (Index p = 0; p < static_cast<Index>(processes.count()); ++p) pieces.push_back(piece_name(name, p));
-    if (journal.vtk) write_pvtu(journal.file(name + ".pvtu"), pieces, fields);
-  };
-  write_grid("state", found.fields);
-  if (found.map) {
-    r.map = std::move(found.map);
-    for (std::string& note : limits_before_division(c, before, *r.map, journal.options.threads))
-      s.notes.push_back(std::move(note));
-    write_grid("map", found.map_fields);
-    if (!r.map->points.empty())
-      write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
-  }
-  if (!c.probes.empty() || c.map)
-    for (std::string& note : notes_on_points(c, coarse.mesh, make_locator(coarse.mesh), r.map.has_value()))
-      s.notes.push_back(std::move(note));
-  write_crack_files(journal, r.cracks);
-  for (std::size_t k = 0; k < c.probes.size(); ++k)
-    write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
+  write_found(c, before, processes.count(), found, journal, r);
   CoarseCopy copy = coarse_copy(std::move(before.model), found.copied, found.centers);
   draw(c, r, copy, journal);
   journal.seconds.output += journal.lap();

@@ -561,24 +561,6 @@ const char* solve(void* solver, const double* right, double* x, KerfPetscSolved*
   return code ? failed(code) : nullptr;
 }
 
-std::vector<int> offsets(const int* counts) {
-  int processes = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &processes);
-  std::vector<int> first(static_cast<std::size_t>(processes), 0);
-  for (int p = 1; counts && p < processes; ++p) first[p] = first[p - 1] + counts[p - 1];
-  return first;
-}
-
-void scatter(const double* all, const int* counts, double* own, int owned) {
-  const std::vector<int> first = offsets(counts);
-  MPI_Scatterv(all, counts, first.data(), MPI_DOUBLE, own, owned, MPI_DOUBLE, 0, PETSC_COMM_WORLD);
-}
-
-void gather(const double* own, int owned, double* all, const int* counts) {
-  const std::vector<int> first = offsets(counts);
-  MPI_Gatherv(own, owned, MPI_DOUBLE, all, counts, first.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
-}
-
 // A reduction to all may add in another order on each process.
 void sum(double* values, std::size_t count) {
   constexpr std::size_t most = std::size_t{1} << 27;
@@ -644,8 +626,6 @@ constexpr KerfPetsc table{.start = start,
                           .solve = solve,
                           .drop = drop,
                           .log = log_event,
-                          .scatter = scatter,
-                          .gather = gather,
                           .sum = sum,
                           .largest = largest,
                           .sizes = sizes,

@@ -1,5 +1,6 @@
 #pragma once
-// What passes between ranks.cpp and the module with PETSc and MPI: plain C data, so that the module may be loaded late.
+// What passes between processes.cpp and the module with PETSc and MPI: plain C data, so that the module may be loaded
+// late.
 
 #include <cstddef>
 #include <cstdint>
@@ -74,9 +75,6 @@ struct KerfPetsc {
   void (*drop)(void* solver);
   /// Events of -log_view begin and end (Communicator::Work). Not together.
   void (*log)(int event, int begins);
-  /// From the first process to all, `counts` each, and back.
-  void (*scatter)(const double* all, const int* counts, double* own, int owned);
-  void (*gather)(const double* own, int owned, double* all, const int* counts);
   /// Over processes, the same bits on all.
   void (*sum)(double* values, std::size_t count);
   void (*largest)(double* values, std::size_t count);

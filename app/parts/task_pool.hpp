@@ -1,7 +1,7 @@
 #pragma once
 // Tasks that several processes share.
 
-#include "app/ranks.hpp"
+#include "app/processes.hpp"
 #include "kerf/case_file.hpp"
 #include "optimize/task_pool.hpp"
 

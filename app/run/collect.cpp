@@ -41,7 +41,7 @@ PlotData plot_data(const Model& model, const Field& state, bool plane_strain) {
   return d;
 }
 
-SolverResult solver_result(const PartedEffort& e) {
+SolverResult solver_result(const SolverEffort& e) {
   return {e.parts, e.solves, e.iterations, e.condition, e.interface_rows, e.primal, e.sent, e.first_mb, e.other_mb};
 }
 

@@ -8,7 +8,7 @@
 #include "kerf/map.hpp"
 #include "kerf/recover.hpp"
 #include "kerf/vtk.hpp"
-#include "solver/ranks.hpp"
+#include "solver/effort.hpp"
 
 #include <array>
 
@@ -26,7 +26,7 @@ struct PlotData {
 PlotData plot_corners(const Model& model);
 PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 
-SolverResult solver_result(const PartedEffort& effort);
+SolverResult solver_result(const SolverEffort& effort);
 StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
 void add_energy_bounds(const EnergyBounds& bounds, StateResult& state);
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);

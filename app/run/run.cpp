@@ -10,7 +10,7 @@
 // pipeline of their own (parts.cpp).
 
 #include "app/run.hpp"
-#include "app/ranks.hpp"
+#include "app/processes.hpp"
 #include "app/run/peaks.hpp"
 
 #include "app/command/refuse.hpp"
@@ -38,6 +38,7 @@
 #include "kerf/stop.hpp"
 #include "optimize/load_cases.hpp"
 #include "plot/page.hpp"
+#include "solver/divided_body.hpp"
 #include "solver/system.hpp"
 
 #include <fmt/core.h>
@@ -71,7 +72,6 @@ Adaptation adaptation(const Case& c, const RunOptions& options) {
                  .estimate = c.output.estimate,
                  .threads = options.threads};
   if (c.precision == FactorPrecision::Single || options.in_single) how.precision = Precision::Single;
-  if (c.backend == Backend::Petsc) how.ranks = options.processes->ranks(c.petsc);
   if (c.adapt) how.error = c.adapt->error, how.max_triangles = c.adapt->max_triangles;
   how.given = c.mesh;
   how.divisions = c.divisions;
@@ -167,6 +167,7 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
   const std::string place = place_of(c, "solver.backend");
   if (!processes)
     throw Error(Fault::Usage, place + ": backend = \"petsc\" is for the program kerf alone; use \"cholmod\"");
+  require_edges_alone(c.element);
   const char* job = jobs.optimize      ? "an optimization"
                     : jobs.validate    ? "a validation"
                     : !c.steps.empty() ? "a history of loads ([[step]])"
@@ -296,8 +297,11 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
   StateSection section = describe_state(adapted, c, journal);
   r.state = std::move(section.state);
   r.state->thickness = c.thickness;
-  if (const auto effort = parted_effort(adapted.model)) r.solver = solver_result(*effort);
+  if (const auto effort = solver_effort(adapted.model)) r.solver = solver_result(*effort);
   r.cracks = std::move(section.cracks);
+  if (c.backend == Backend::Petsc)
+    r.state->notes.emplace_back(
+        "backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
   add_notes(c,
             {.body = adapted.model,
              .triangles = adapted.model.mesh.triangles.size(),
@@ -488,22 +492,9 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   return out;
 }
 
-/// Whether each process divides its own part of the mesh, which none has as a whole.
+/// Whether each process has a part of the mesh, which none has as a whole.
 bool is_in_parts(const Case& c, const Processes* processes) {
-  return c.divisions > 0 && c.backend == Backend::Petsc && processes && processes->count() > 1;
-}
-void refuse_in_parts(const Case& c) {
-  if (c.optimize && !c.optimize->load_cases.empty())
-    throw Error(Fault::Usage, fmt::format("{}: on several processes a divided mesh has the loads of [[boundary]] and "
-                                          "[body] alone, not those of [[load_case]]; write them so, or use a smaller "
-                                          "mesh.size instead",
-                                          place_of(c, "mesh.refine")));
-  if (std::ranges::any_of(c.probes, &Probe::bounds))
-    throw Error(
-        Fault::Usage,
-        fmt::format("{}: on several processes none has the whole of a divided mesh, and the stresses at a probe "
-                    "are not bounded there; use a smaller mesh.size instead",
-                    place_of(c, "mesh.refine")));
+  return c.backend == Backend::Petsc && processes && processes->count() > 1;
 }
 
 /// What [bounds] and mesh.adapt ask for.
@@ -582,7 +573,6 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   }
   journal.seconds.solve += journal.lap();
   if (is_in_parts(read, journal.options.processes)) {
-    refuse_in_parts(read);
     const CoarseCopy copy = solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
     end(read, copy.adapted, copy.data, journal, r);
     return r;

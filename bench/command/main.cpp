@@ -5,9 +5,9 @@
 // only `machines` runs; the other processes serve the first one.
 
 #include "app/command_line.hpp"
+#include "app/processes.hpp"
 #include "app/program.hpp"
 #include "app/progress.hpp"
-#include "app/ranks.hpp"
 #include "bench/hard.hpp"
 #include "bench/measure/contact.hpp"
 #include "bench/measure/limit.hpp"
@@ -131,7 +131,7 @@ void check(const Arguments& arguments) {
 int perform(int argc, char** argv) {
   Processes processes;
   if (is_launched() && processes.start() > 0) {
-    processes.serve();
+    processes.serve(work_on_machine_row);
     return 0;
   }
   const auto arguments = parse(argc, argv);

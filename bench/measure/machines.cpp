@@ -9,7 +9,8 @@
 
 #include "bench/measure/machines.hpp"
 
-#include "app/ranks.hpp"
+#include "app/processes.hpp"
+#include "base/packer.hpp"
 #include "base/stopwatch.hpp"
 #include "bench/command/records.hpp"
 #include "bench/command/shell.hpp"
@@ -122,8 +123,53 @@ std::vector<Plan> plans_of(const BenchOptions& options, int parts) {
   return plans;
 }
 
-MachineRow row_of(const Plan& plan, const std::shared_ptr<Ranks>& ranks) {
-  const int parts = ranks->count();
+Mesh mesh_of(const Plan& plan, const Shape& shape, int parts) {
+  const double size = size_of(plan, parts);
+  return triangulate(shape, {.size = size, .crack_tip_size = size / 2});
+}
+
+/// What the others need to mesh the same body.
+struct RowTask {
+  std::string element;
+  int degree = 0;
+  double poisson = 0, contrast = 0, across = 0;
+  bool cracked = false;
+  Index triangles = 0;
+  std::vector<Index> process;  // per triangle
+};
+template <typename Visit, Like<RowTask> T>
+void fields(Visit& visit, T& t) {
+  visit(t.element, t.degree, t.poisson, t.contrast, t.across, t.cracked, t.triangles, t.process);
+}
+std::string packed_task(const Plan& plan, std::vector<Index> process) {
+  Packer to;
+  to(RowTask{std::string(plan.element.name), plan.element.degree, plan.poisson, plan.contrast, plan.across,
+             plan.cracked, plan.triangles, std::move(process)});
+  return std::move(to).take();
+}
+
+/// What all processes find together.
+struct SolvedTogether {
+  double energy = 0, seconds = 0;
+  SharedEffort effort;
+  std::string refused;
+};
+SolvedTogether solve_together(const Plan& plan, const Mesh& mesh, const std::vector<Index>& process,
+                              Communicator& comm) {
+  const Scene scene = scene_of(plan, mesh.cracks.size());
+  Stopwatch watch;
+  try {
+    MeshPart part = mesh_part(mesh, process, static_cast<int>(comm.count()), comm.here(), 0);
+    SharedBody body(std::move(part), plan.element, scene, 1, {}, pieces_for_pressure(mesh, scene), comm);
+    const State state = body.solve();
+    return {sum(comm, strain_energy(body.model(), state)), watch.lap(), body.effort(), {}};
+  } catch (const Error& e) {  // which all find
+    return {.refused = e.what()};
+  }
+}
+
+MachineRow row_of(const Plan& plan, Processes& processes) {
+  const int parts = processes.count();
   MachineRow row{.family = plan.family,
                  .parts = parts,
                  .element = std::string(plan.element.name),
@@ -131,47 +177,42 @@ MachineRow row_of(const Plan& plan, const std::shared_ptr<Ranks>& ranks) {
                  .poisson = plan.poisson,
                  .contrast = plan.contrast * plan.contrast};
   const Shape shape = shape_of(plan, parts);
-  const double size = size_of(plan, parts);
   row.cracks = static_cast<int>(shape.cracks.size());
-  row.across = 1 / (std::sqrt(static_cast<double>(parts)) * size);
-  const Scene scene = scene_of(plan, shape.cracks.size());
-  Mesh mesh = triangulate(shape, {.size = size, .crack_tip_size = size / 2});
+  row.across = 1 / (std::sqrt(static_cast<double>(parts)) * size_of(plan, parts));
+  const Mesh mesh = mesh_of(plan, shape, parts);
   row.triangles = static_cast<Index>(mesh.triangles.size());
-  try {
-    const Model whole = prepare(mesh, plan.element, scene, 1);
-    row.factor_s = whole.seconds.factor;
-    row.unknowns = whole.inner->ordering.size;
-    const double energy = strain_energy(whole, solve(whole));
-    const Model model = prepare(std::move(mesh), plan.element, scene, 1, {}, ranks);
-    const State state = solve(model);
-    row.off = std::abs(strain_energy(model, state) - energy) / energy;
-    if (const auto effort = parted_effort(model)) {
-      row.parts_s = model.seconds.factor;
-      row.iterate_s = effort->seconds / std::max(effort->solves, 1);
-      row.iterations = effort->iterations;
-      row.condition = effort->condition;
-      row.interface_unknowns = effort->interface_rows;
-      row.primal_unknowns = effort->primal;
-      row.sent = effort->sent;
-      row.first_mb = effort->first_mb;
-      row.others_mb = effort->other_mb;
-    } else {
-      row.refused = "too few triangles for so many parts";
-    }
-  } catch (const Error& e) {
-    row.refused = e.what();
-  }
+  const Model whole = prepare(mesh, plan.element, scene_of(plan, shape.cracks.size()), 1);
+  row.factor_s = whole.seconds.factor;
+  row.unknowns = whole.inner->ordering.size;
+  const double energy = strain_energy(whole, solve(whole));
+  const std::vector<Index> process =
+      shares(whole, [&](const auto& start, const auto& near) { return processes.partition(start, near); });
+  SolvedTogether found;
+  processes.work(packed_task(plan, process),
+                 [&](Communicator& comm) { found = solve_together(plan, mesh, process, comm); });
+  const SharedEffort& effort = found.effort;
+  row.refused = found.refused;
+  row.off = std::abs(found.energy - energy) / energy;
+  row.parts_s = found.seconds - effort.seconds;
+  row.iterate_s = effort.seconds / std::max(effort.solves, 1);
+  row.iterations = effort.iterations;
+  row.condition = effort.condition;
+  row.interface_unknowns = effort.interface_rows;
+  row.primal_unknowns = effort.primal;
+  row.sent = effort.sent;
+  row.first_mb = effort.first_mb;
+  row.others_mb = effort.other_mb;
   return row;
 }
 
 void run_here(const BenchOptions& options, Processes& processes, MachineBench& bench) {
-  const std::shared_ptr<Ranks> ranks = processes.ranks({});
-  for (const Plan& plan : plans_of(options, ranks->count())) {
+  processes.take_options({});
+  for (const Plan& plan : plans_of(options, processes.count())) {
     if (stop_asked(options)) break;
     if (options.on_phase)
-      options.on_phase(fmt::format("{} parts: {}, {} {}, nu = {}{}", ranks->count(), plan.family, plan.element.name,
+      options.on_phase(fmt::format("{} parts: {}, {} {}, nu = {}{}", processes.count(), plan.family, plan.element.name,
                                    plan.element.degree, plan.poisson, plan.cracked ? ", cracked" : ""));
-    bench.rows.push_back(row_of(plan, ranks));
+    bench.rows.push_back(row_of(plan, processes));
     write_machines_json(options.folder / "machines.json", bench);  // another row may end all processes
   }
 }
@@ -229,6 +270,19 @@ void draw_machines(const std::filesystem::path& path, const MachineBench& bench)
 
 bool MachineRow::met() const {
   return refused.empty() && iterations <= 30 && condition <= 30 && off <= 1e-9;
+}
+
+void work_on_machine_row(std::string_view bytes, Communicator& comm) {
+  const auto task = Unpacker(bytes).get<RowTask>();
+  const Plan plan{.family = {},
+                  .element = element(task.element, task.degree),
+                  .poisson = task.poisson,
+                  .contrast = task.contrast,
+                  .cracked = task.cracked,
+                  .across = task.across,
+                  .triangles = task.triangles};
+  const int parts = static_cast<int>(comm.count());
+  solve_together(plan, mesh_of(plan, shape_of(plan, parts), parts), task.process, comm);
 }
 
 MachineBench run_machine_bench(const BenchOptions& options, Processes& processes) {

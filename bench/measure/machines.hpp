@@ -7,6 +7,7 @@
 
 namespace kerf {
 
+class Communicator;
 class Processes;
 
 /// A square held on its left side and pulled on its right, in `parts` of about H/h edges across each.
@@ -44,6 +45,9 @@ struct MachineBench {
 /// mpiexec itself. Writes machines.csv, machines.json and machines.png. Throws Error(Files), Error(Usage) without
 /// PETSc.
 MachineBench run_machine_bench(const BenchOptions& options, Processes& processes);
+
+/// Of the others: their part of a row, of which the first process tells them.
+void work_on_machine_row(std::string_view task, Communicator& comm);
 
 std::string summary(const MachineBench& bench);
 

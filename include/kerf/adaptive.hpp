@@ -40,8 +40,6 @@ struct Round {
   double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0;  // seconds; contact within solve
 };
 
-class Ranks;  // processes that solve together: not for users
-
 struct Adaptation {
   double error = 1e-2;  // wanted: Indicator::relative
   Index max_triangles = 200000;
@@ -56,7 +54,6 @@ struct Adaptation {
   int divisions = 0;  // every triangle of the mesh that is solved on into four, so many times
   /// What to refine for, if not the stress, with the indicator of the state: `relative` is what `error` is asked of.
   std::function<Indicator(const Model&, const State&, const Indicator&)> goal = {};
-  std::shared_ptr<Ranks> ranks = {};  // solve the condensed system in parts
   Precision precision = Precision::Double;
 };
 

@@ -143,10 +143,9 @@ void read_solver(const Value& document, Case& c) {
   take(*solver, "contact", c.contact);
   take(*solver, "backend", c.backend);
   take(*solver, "precision", c.precision);
-  if (c.precision == FactorPrecision::Single && c.backend != Backend::Cholmod &&
-      (c.backend != Backend::Petsc || c.divisions == 0))
+  if (c.precision == FactorPrecision::Single && c.backend == Backend::Umfpack)
     fail(find(*solver, "precision")->node->position,
-         "solver.precision = \"single\" goes with backend = \"cholmod\", or with \"petsc\" and mesh.refine");
+         "solver.precision = \"single\" goes with backend = \"cholmod\" or \"petsc\"");
   if (const auto options = find(*solver, "petsc")) {
     c.petsc = text(*options);
     if (c.backend != Backend::Petsc) fail(options->node->position, options->name + " goes with backend = \"petsc\"");

@@ -348,8 +348,8 @@ constexpr Key rows[] = {
      Whole,
      {.range = {0, 10}},
      "Divides every triangle of the mesh into four similar ones, so many times; for solve and map. The middles of "
-     "curved edges go onto their arcs. With adapt that of every round is divided. With backend = \"petsc\" on several "
-     "processes each of them divides its own part, and none has the whole.",
+     "curved edges go onto their arcs. With adapt that of every round is divided. On several processes (backend = "
+     "\"petsc\") each of them divides its own part, and none has the whole.",
      "2",
      "0"},
     {"mesh.curved",
@@ -422,8 +422,9 @@ constexpr Key rows[] = {
      {.words = backend_words},
      "umfpack solves the whole system at once, without condensing it, and contact in its own way, whatever contact "
      "says. "
-     "Slow; for checks. petsc solves the condensed system on the processes of mpiexec -n N kerf solve CASE, a part of "
-     "the body each; for kerf built with PETSc. One process solves as cholmod does.",
+     "Slow; for checks. petsc: the processes of mpiexec -n N kerf solve CASE solve together, a part of "
+     "the body each, for kerf built with PETSc; mesh.refine divides the parts, which none has as a whole. One process "
+     "solves as cholmod does.",
      "\"petsc\"",
      "\"cholmod\""},
     {"solver.precision",
@@ -432,9 +433,8 @@ constexpr Key rows[] = {
      "In which the factor is kept, which is most of the memory; all is computed in double precision. single takes half "
      "of it, and a few steps of conjugate gradients for each solve, to the same residual; where it does not serve "
      "(bodies thousands of times as long as wide) it is double, with a note. auto: double, or single where double is "
-     "more than the memory that there is or --max-memory allows. The loops of optimizations keep double. With petsc "
-     "and "
-     "mesh.refine it is that of the factor of each part, and auto is double.",
+     "more than the memory that there is or --max-memory allows. The loops of optimizations keep double. On "
+     "several processes it is that of the factor of each part, and auto is double.",
      "\"single\"",
      "\"auto\""},
     {"solver.petsc",

@@ -35,4 +35,17 @@ double optimality(const std::vector<ContactPoint>& points, const Eigen::VectorXd
   return worst;
 }
 
+JudgedContact judge_contact(const std::vector<ContactPoint>& points, const std::vector<Motion>& motion,
+                            const Eigen::VectorXd& jump, const Eigen::VectorXd& force, double load) {
+  const Admissible allowed = admissible(points, force);
+  JudgedContact judged{.bears = force};
+  for (Eigen::Index i = 0; i < force.size(); ++i) {
+    if (motion.empty() || motion[static_cast<std::size_t>(i)] == Motion::Held) continue;
+    judged.bears[i] = motion[static_cast<std::size_t>(i)] == Motion::Forward ? allowed.low[i] : allowed.high[i];
+    judged.residual = std::max(judged.residual, std::abs(force[i] - judged.bears[i]) / load);
+  }
+  judged.law = optimality(points, jump, force, load);
+  return judged;
+}
+
 }  // namespace kerf

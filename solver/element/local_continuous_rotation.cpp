@@ -6,7 +6,7 @@
 namespace kerf {
 
 namespace {
-constexpr Operations raviart_thomas = mixed_operations<comm>(), full = mixed_operations<bdms_continuous>();
+constexpr Operations raviart_thomas = mixed_operations<peers>(), full = mixed_operations<bdms_continuous>();
 }  // namespace
 
 const Operations* continuous_rotation_operations(Cut cut);

@@ -225,7 +225,7 @@ class Grading {
       preparation.contact = known_;
     }
     Stopwatch watch;
-    Model model = prepare(std::move(mesh), element_, scene_, how_.threads, preparation, how_.ranks);
+    Model model = prepare(std::move(mesh), element_, scene_, how_.threads, preparation);
     round.assemble = model.seconds.assemble;
     round.factor = model.seconds.factor;
     watch.lap();
@@ -388,7 +388,7 @@ Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGue
   if (of.wanted.meshed) of.wanted.meshed(mesh);
   Round round{.triangles = static_cast<Index>(mesh.triangles.size()), .mesh = meshing + watch.lap()};
   Model model = prepare(std::move(mesh), of.element, of.scene, of.wanted.threads,
-                        {.contact = known, .precision = of.wanted.precision}, of.wanted.ranks);
+                        {.contact = known, .precision = of.wanted.precision});
   round.assemble = model.seconds.assemble;
   round.factor = model.seconds.factor;
   watch.lap();

@@ -31,7 +31,7 @@ namespace kerf {
 
 // The bytes go before the factor comes: a part has a place once.
 std::unique_ptr<SharedSolver> Communicator::solver(std::string packed, Index, int threads, Precision precision) {
-  RankPart part;
+  PartMatrix part;
   {
     const LoggedWork logged(*this, PartsWork::Assembly);
     part = condensed_part(packed);
@@ -41,14 +41,19 @@ std::unique_ptr<SharedSolver> Communicator::solver(std::string packed, Index, in
   return bddc(std::move(part), *this, threads, precision);
 }
 
+Sums sums_over(Communicator& comm) {
+  return {[&comm](std::span<double> v) { comm.sum(v); }, [&comm](std::span<double> v) { comm.largest(v); }};
+}
+
 double sum(Communicator& comm, double value) {
   comm.sum({&value, 1});
   return value;
 }
 
 // Among processes, by the triangles that hold on to each other (solver/system/parted.hpp).
-std::vector<Index> shares(const Model& m, Ranks& ranks) {
-  return partition({m.mesh, m.inner->kernel, m.inner->skeleton, m.scene, m.inner->data, m.inner->ordering}, ranks);
+std::vector<Index> shares(const Model& m, const Partitioner& partitioner) {
+  return partition({m.mesh, m.inner->kernel, m.inner->skeleton, m.scene, m.inner->data, m.inner->ordering},
+                   partitioner);
 }
 
 std::vector<Index> pieces_for_pressure(const Mesh& mesh, const Scene& scene) {
@@ -103,8 +108,9 @@ SharedBody::Impl::Impl(MeshPart given, const Element& e, Scene scene, int thread
                          {given.own, with.here(), given.process, whole}, floating)) {
   if (!floating.motions.empty()) balance({given.own, with.here(), given.process, whole}, floating);
   find_contact({given.from, given.whole});
+  std::vector<Index> piece;
   for (const Index t : given.origin) piece.push_back(of_whole[static_cast<std::size_t>(t)]);
-  if (!of_whole.empty()) uniform.size.setZero(1 + *std::ranges::max_element(of_whole));
+  uniform = UniformPressure(std::move(piece));
   for (Index u = 0; u < model.inner->skeleton.total; ++u)
     if (model.inner->ordering.row[u] != none && owns(model, u)) ++unknowns;
   unknowns = static_cast<Index>(sum(comm, unknowns));
@@ -175,6 +181,8 @@ void SharedBody::Impl::make_system(const std::vector<bool>& rows) {
   now.solver =
       comm.solver(packed_part({from, inner.system.penalty, corners_at_free_cracks(from), numbers}, own, now.own_rows()),
                   total, model.threads, precision);
+  stiffest = now.solver->stiffest();
+  comm.largest({&stiffest, 1});
 }
 
 // Each set of held rows has a solver of its own; their counts add up, the largest values stand.
@@ -328,15 +336,8 @@ void SharedBody::Impl::move(const Eigen::VectorXd& own, DoubleDouble& x) {
   add(x, 1, moved);
 }
 
-// K x - F from the stresses, triangle by triangle. On unknowns of others it lacks the triangles that are not here.
-double SharedBody::Impl::force_of_rounding(double largest) const {
-  constexpr double stiffness = 50;  // of a row over the shear modulus beside it, at most
-  double mu = 0;
-  for (const Material& m : all_materials(model.scene)) mu = std::max(mu, m.mu);
-  return std::numeric_limits<double>::epsilon() * stiffness * mu * largest;
-}
-
-// As judge in solve.cpp, with sums and largest values over processes. Each unknown counts where it is answered for,
+// K x - F from the stresses, triangle by triangle; on unknowns of others it lacks the triangles that are not here. As
+// judge in solve.cpp, with sums and largest values over processes. Each unknown counts where it is answered for,
 // triangles where they are own.
 void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   const Skeleton& s = model.inner->skeleton;
@@ -359,25 +360,20 @@ void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
   // Largest values first: the sizes that later comparisons are relative to must be the same on all processes.
   std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
   comm.largest(most);
-  const double rounding = force_of_rounding(most[3]);
+  const double rounding = force_of_rounding(stiffest, most[3]);
   load = std::max(most[0], rounding);
   r.certificate.residual = most[1] / load;
   double law = 0;
   // Forces of contact are known on all rows that are seen here, own or not; their work is that of own rows.
   field.force = Eigen::VectorXd::Zero(s.total);
   if (contact_rows > 0) {
-    const Eigen::VectorXd force = on_contact(r.unmet);
-    const Admissible allowed = admissible(points, force);
-    Eigen::VectorXd bears = force;
-    for (Index i = 0; i < contact_rows; ++i) {
-      if (r.motion.empty() || r.motion[i] == Motion::Held) continue;
-      bears[i] = r.motion[i] == Motion::Forward ? allowed.low[i] : allowed.high[i];
-      r.certificate.residual = std::max(r.certificate.residual, std::abs(force[i] - bears[i]) / load);
-    }
+    const JudgedContact judged =
+        judge_contact(points, r.motion, on_contact(r.x.high) - gaps, on_contact(r.unmet), load);
+    r.certificate.residual = std::max(r.certificate.residual, judged.residual);
+    law = judged.law;
     for (Index u = s.base; u < s.total; ++u)
-      if (contact_of[u] != none) field.force[u] = bears[contact_of[u]];
+      if (contact_of[u] != none) field.force[u] = judged.bears[contact_of[u]];
     for (const Index u : own_contact) work += field.force[u] * (r.x.high[u] - s.prescribed[u]);
-    law = optimality(points, on_contact(r.x.high) - gaps, force, load);
   }
   std::array<double, 3> sums{balance.energy, work,
                              balance.noise + (model.inner->data.strain.empty() ? 0 : strain_energy(model, field))};
@@ -428,95 +424,37 @@ void SharedBody::Impl::correct(Round& r, State& state) {
   state.converged = found.converged;
 }
 
-// Curved triangles count with their own area, own triangles alone.
-Eigen::VectorXd SharedBody::Impl::over_pieces(const Eigen::VectorXd& values) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(uniform.size.size());
-  for (Index t = 0; t < own_triangles(model); ++t) sum[piece[t]] += cell_area(model, t) * values[t];
-  comm.sum({sum.data(), static_cast<std::size_t>(sum.size())});
-  return sum;
-}
-
-// As UniformPressure::prepare, per unknown instead of per row: the responses of all unknowns seen here are kept.
-void SharedBody::Impl::find_responses(int& solves) {
-  if (uniform.response.size() > 0 && uniform.held == held) return;
-  const Skeleton& s = model.inner->skeleton;
-  const Eigen::MatrixXd& traces = model.inner->system.traces;
-  const Eigen::Index count = uniform.size.size(), rows = traces.rows() - 2;
-  const auto triangles = static_cast<Index>(piece.size());
-  uniform.held = held;
-  uniform.response.setZero(s.total, count);
-  uniform.stiffness.resize(count, count);
-  for (Index k = 0; k < static_cast<Index>(count); ++k) {
-    Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total), left(triangles), weight(triangles);
+// The change and the size are the largest of all processes, so that all see the same error and end in the same round.
+void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, bool must_fit) {
+  const auto respond = [this](const Eigen::VectorXd& theta) {
+    const Skeleton& s = model.inner->skeleton;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(s.total);
     DoubleDouble x{force, force};
-    for (Index t = 0; t < triangles; ++t) {
-      if (piece[t] != k) continue;
+    for (Index t = 0; t < static_cast<Index>(theta.size()); ++t) {
+      if (theta[t] == 0) continue;
       const Seen view = seen(model.mesh, s, t);
       for (int i = 0; i < view.count; ++i)
         for (const Index u : {view.base[i], view.jump[i]})
-          if (u != none) force[u] -= penalty_at(model, t) * traces(i, t);
+          if (u != none) force[u] -= theta[t] * model.inner->system.traces(i, t);
     }
     settle(force, x);
-    ++solves;
-    for (Index t = 0; t < triangles; ++t) {
-      const auto column = traces.col(t);
-      const double a = penalty_at(model, t),
-                   mean = column.head(rows).dot(trace_seen(model.mesh, s, x.high, t)) / cell_area(model, t);
-      left[t] = a * ((piece[t] == k ? 1 - a * column[rows + 1] : 0) - mean);
-      weight[t] = piece[t] == k ? a : 0;
-    }
-    uniform.stiffness.col(k) = over_pieces(left);
-    uniform.size[k] = over_pieces(weight)[k];
-    uniform.response.col(k) = x.high;
-  }
-  uniform.stiffness = (0.5 * (uniform.stiffness + uniform.stiffness.transpose())).eval();
-}
-
-// The change and the size are the largest of all processes, so that all see the same error and end in the same round.
-void SharedBody::Impl::step_theta(const Loads& loads, Round& r, int& solves, bool must_fit) {
-  take_out_uniform(loads, r, solves, must_fit);
+    return x.high;
+  };
+  const PressedBody body{.model = model,
+                         .loads = loads,
+                         .respond = respond,
+                         .skeleton = [](const Eigen::VectorXd& x) { return x; },
+                         .over_all = sums_over(comm)};
+  const int before = uniform.solves();
+  uniform.must_fit = must_fit;
+  const Eigen::VectorXd delta = uniform.correct(body, held, r.x, r.theta);
+  solves += uniform.solves() - before;
+  add(r.x, 1, multiply(uniform.response(), delta));
+  if (uniform.level_open()) uniform.take_out_level(body, r.x, r.theta);
   const ThetaChange moved = move_theta(model, loads, r.x, r.theta);
   std::array<double, 2> both{moved.change, moved.size};
   comm.largest(both);
   r.penalty_error = both[1] > 0 ? both[0] / both[1] : 0;
-}
-
-// As UniformPressure::correct; the small matrix is the same on all processes.
-void SharedBody::Impl::take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit) {
-  find_responses(solves);
-  Eigen::VectorXd theta = r.theta;
-  move_theta(model, loads, r.x, theta);
-  Eigen::VectorXd rest = over_pieces(theta - r.theta);
-  // In units in which each piece by itself has stiffness 1 at most.
-  const Eigen::VectorXd root = uniform.size.cwiseSqrt(), by = root.cwiseInverse();
-  Eigen::MatrixXd scaled = by.asDiagonal() * uniform.stiffness * by.asDiagonal();
-  constexpr double none_left = 1e-11;
-  uniform.level_open = !(root.dot(scaled * root) > none_left * uniform.size.sum());
-  if (uniform.level_open) {
-    std::array<double, 2> most{theta.cwiseAbs().maxCoeff(), 0};
-    for (const double v : model.inner->skeleton.prescribed) most[1] = std::max(most[1], std::abs(v));
-    comm.largest(most);
-    if (must_fit) check_volume(2 * rest.sum(), most[0], most[1], sum(comm, area(model)));
-    rest -= uniform.size * (rest.sum() / uniform.size.sum());
-    scaled += root * root.transpose() / uniform.size.sum();
-  }
-  const Eigen::VectorXd delta = by.cwiseProduct(solve_symmetric(scaled, by.cwiseProduct(rest)));
-  add(r.x, 1, multiply(uniform.response, delta));
-  for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] += penalty_at(model, t) * delta[piece[t]];
-  if (uniform.level_open) take_out_level(loads, r);
-}
-
-/// The mean pressure, which nothing answers: theta/a of the solution with this theta has mean 0.
-void SharedBody::Impl::take_out_level(const Loads& loads, Round& r) {
-  Eigen::VectorXd next = r.theta;
-  move_theta(model, loads, r.x, next);
-  std::array<double, 2> sums{0, 0};
-  for (Index t = 0; t < own_triangles(model); ++t) {
-    sums[0] += cell_area(model, t) * next[t] / penalty_at(model, t);
-    sums[1] += cell_area(model, t);
-  }
-  comm.sum(sums);
-  for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) r.theta[t] -= penalty_at(model, t) * sums[0] / sums[1];
 }
 
 // r.K^-1 r of (E.21) takes one more solve.
@@ -533,25 +471,20 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
   Round best;
   const int most = penalized ? 40 : 15;
   const double enough = penalized ? 1e-16 : 1e-12;
-  int without_gain = 0;
+  RoundsEnd end(penalized);
   bool best_is_last = true;
-  for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
+  for (int round = 0; round < most; ++round) {
     correct(at, state);
     if (penalized) step_theta(loads, at, state.linear_solves, true);
     judge(loads, at, state);
-    const double error = at.certificate.kkt, least = best.certificate.kkt;
-    const bool slow = round > 0 && error > 0.5 * least;
-    best_is_last = round == 0 || error < least;
+    best_is_last = end.take(at.certificate.kkt);
     if (best_is_last) best = at;
-    constexpr double settled = 1e-9;
-    const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
-    without_gain = slow ? without_gain + 1 : 0;
     // Of a body that is moved as a whole the energy is rounding, which a residual that is small does not tell.
-    const bool balanced = at.certificate.work <= settled;
-    if ((error <= enough && balanced) || without_gain == patience) break;
+    const bool balanced = at.certificate.work <= RoundsEnd::settled;
+    if ((at.certificate.kkt <= enough && balanced) || end.stalls()) break;
   }
   if (!best_is_last) judge(loads, best, state);
-  if (penalized && uniform.level_open && contact_rows > 0) throw Error(Fault::Numerics, open_level);
+  if (penalized && uniform.level_open() && contact_rows > 0) throw Error(Fault::Numerics, open_level);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   const Eigen::VectorXd rest = best.unmet - state.force;
   DoubleDouble answer{Eigen::VectorXd::Zero(rest.size()), Eigen::VectorXd::Zero(rest.size())};

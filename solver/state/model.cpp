@@ -4,8 +4,8 @@
 //   f - sum_i share_i r_i,   share = G^-1 (work of the loads on r_i),   G_ij = int r_i . r_j   [theory: A.7]
 // takes out what is left, and pins fix as many unknowns. The matrix goes to one of these: the Cholesky factor with rows
 // in contact last (C.7); with springs where contact alone holds pieces (C.24); a factor for each set of held rows where
-// there are too many for a dense S (C.31); parts on several processes (E.31); a factor in single precision with
-// conjugate gradients (E.32); LU where K is indefinite. Also here: models under other loads by the same factor,
+// there are too many for a dense S (C.31); a factor in single precision with conjugate gradients (E.32); LU where K is
+// indefinite. A part of a divided body has no matrix of its own (E.34). Also here: models under other loads by the same factor,
 // energies and works of a field. Derived in docs/theory/elements.md and docs/theory/contact.md.
 
 #include "kerf/model.hpp"
@@ -221,40 +221,6 @@ struct Prepared {
   std::optional<OwnShare> own;
 };
 
-/// Throws Error(Usage) for what is not solved in parts.
-void check_parted(const Element& e, const Preparation& how) {
-  if (!can_be_parted(e))
-    throw Error(Fault::Usage, fmt::format("backend \"petsc\" solves elements whose unknowns live on edges alone; "
-                                          "\"{}\" is none of them: use \"bdms\", \"afw\" or \"arnold-winther-nc\", or "
-                                          "the backend \"cholmod\"",
-                                          e.name));
-  if (!how.interface_edges.empty() || !how.factorize) throw std::invalid_argument("prepare: no interface with parts");
-}
-
-[[noreturn]] void refuse_parted_contact(Index rows, Index most) {
-  throw Error(Fault::Usage,
-              fmt::format("backend \"petsc\" takes a solve for each unknown of cracks in contact: there are "
-                          "{}, and at most {} are taken; use backend = \"cholmod\", contact = \"open\", or "
-                          "a larger mesh.size, with mesh.refine = 1 or more, which takes none of them",
-                          rows, most));
-}
-
-/// Whether there are enough triangles; else a note.
-/// A part of a few triangles would share most of its unknowns.
-bool is_worth_parts(const Mesh& mesh, const Ranks& ranks, std::vector<std::string>& notes) {
-  if (ranks.count() == 1) {
-    notes.emplace_back("backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
-    return false;
-  }
-  const std::size_t size = mesh.triangles.size();
-  if (size >= least_of_part * static_cast<std::size_t>(ranks.count())) return true;
-  notes.push_back(
-      fmt::format("backend \"petsc\": {} triangles are too few for {} parts; solved on one process by "
-                  "\"cholmod\"",
-                  size, ranks.count()));
-  return false;
-}
-
 constexpr const char* stays_double =
     "a factor in single precision does not serve here: the factor is kept in double precision";
 
@@ -313,8 +279,8 @@ std::shared_ptr<Factor> factor_in(std::shared_ptr<Factor> there, const LowerTria
 }
 
 /// `prepare`, with what may be taken over, or null, and the sequence of the vertices, or none.
-Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
-                   std::shared_ptr<Ranks> ranks, Model* before, std::span<const Index> sequence = {});
+Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how, Model* before,
+                   std::span<const Index> sequence = {});
 
 }  // namespace
 
@@ -347,7 +313,7 @@ Floating floating_of(const Model& m, int divisions) {
 
 /// No matrix of its own: the order has no dissection, loads alone are assembled, and the factor is empty.
 Model prepare_part(Mesh mesh, const Element& e, Scene scene, int threads, OwnShare own, const Floating& floating) {
-  check_parted(e, {});
+  require_edges_alone(e);
   Stopwatch watch;
   Prepared made(std::move(mesh), kernel(e), std::move(scene), threads, Prepared::Part{});
   made.floating = floating.motions;
@@ -380,24 +346,18 @@ bool owns(const Model& m, Index unknown) {
   return !m.inner->own || m.inner->own->holder[static_cast<std::size_t>(unknown)] == m.inner->own->here;
 }
 
-std::optional<PartedEffort> parted_effort(const Model& m) {
+std::optional<SolverEffort> solver_effort(const Model& m) {
   if (!m.inner->factor || !m.inner->factor->leading()) return std::nullopt;
   return m.inner->factor->leading()->effort();
 }
 
 Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how) {
-  return prepare(std::move(mesh), e, std::move(scene), threads, how, nullptr);
-}
-
-Model prepare(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
-              std::shared_ptr<Ranks> ranks) {
-  return prepare_from(std::move(mesh), e, std::move(scene), threads, how, std::move(ranks), nullptr);
+  return prepare_from(std::move(mesh), e, std::move(scene), threads, how, nullptr);
 }
 
 Model prepare_moved(Mesh mesh, const Element& e, Scene scene, int threads, Model before,
                     std::span<const Index> sequence) {
-  return prepare_from(std::move(mesh), e, std::move(scene), threads, {}, nullptr, before.inner ? &before : nullptr,
-                      sequence);
+  return prepare_from(std::move(mesh), e, std::move(scene), threads, {}, before.inner ? &before : nullptr, sequence);
 }
 
 namespace {
@@ -405,9 +365,8 @@ namespace {
 /// Where the triangles at the feet of pieces are too large the mesh is bisected there and all begins anew; not where a
 /// mesh must stay (moved or ordered before), nor below 1e-4 of the largest edge. Of the model before its factor is
 /// taken last, when nothing can be refused any more.
-Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how,
-                   std::shared_ptr<Ranks> ranks, Model* before, std::span<const Index> sequence) {
-  if (ranks) check_parted(e, how);
+Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const Preparation& how, Model* before,
+                   std::span<const Index> sequence) {
   if (scene.laws.size() != mesh.cracks.size()) throw std::invalid_argument("prepare: one law per crack is needed");
   for (const CrackLaw& law : scene.laws)
     if (law.kind == CrackLaw::Kind::Bonded && has_pressure(law))
@@ -439,9 +398,8 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
     const double size = quality(made.mesh).h_min / quality(made.mesh).h_max;
     if (size < smallest || before || !sequence.empty()) throw;
     Mesh finer = bisect(longest_edges_first(std::move(made.mesh)), feet.triangles);
-    return prepare_from(std::move(finer), e, std::move(made.scene), threads, how, std::move(ranks), nullptr);
+    return prepare_from(std::move(finer), e, std::move(made.scene), threads, how, nullptr);
   }
-  if (by_factors && ranks) refuse_parted_contact(ordering.contact_rows, how.most_dense);
   if (by_factors) {
     if (how.precision == Precision::Single) made.notes.emplace_back(stays_double);
     made.held = std::make_shared<HeldFactors>(sequence_within(made.mesh, made.skeleton, ordering),
@@ -458,13 +416,6 @@ Model prepare_from(Mesh mesh, const Element& e, Scene scene, int threads, const 
   const std::shared_ptr<const LowerTriangle> K =
       made.semicoercive.empty() ? system.K
                                 : std::make_shared<const LowerTriangle>(sprung(*system.K, ordering, made.semicoercive));
-  if (ranks && is_worth_parts(made.mesh, *ranks, made.notes)) {
-    const Assembly from{made.mesh, made.kernel, made.skeleton, made.scene, made.data, ordering, threads, how.plain};
-    auto factor =
-        std::make_shared<const Factor>(*K, ordering.contact_rows, parted(from, system.penalty, std::move(ranks)));
-    seconds.factor = watch.lap();
-    return std::move(made).model(std::move(ordering), std::move(system), std::move(factor), seconds);
-  }
   std::unique_ptr<LeadingSolver> in_single;
   if (how.factorize && how.precision == Precision::Single) {
     if (can_be_rounded(made, e, how)) in_single = rounded(K, ordering.contact_rows, system.F, threads);

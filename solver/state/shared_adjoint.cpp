@@ -63,22 +63,17 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
   };
   at.unmet = forces_of(at.x, at.theta) - problem.load;
   const double size = std::max({largest(problem.load), largest(at.unmet), std::numeric_limits<double>::min()});
-  Round best = at;
-  best.certificate.kkt = infinity;
+  Round best;
+  RoundsEnd end(penalized);
   const int most = penalized ? 40 : 4;
-  int without_gain = 0;
-  for (int round = 0; round < most; ++round) {  // as those of one process (solver/system/penalty.cpp)
+  for (int round = 0; round < most; ++round) {
     settle(-at.unmet, at.x);
     ++field.linear_solves;
     if (penalized) step_theta(loads, at, field.linear_solves, false);
     at.unmet = forces_of(at.x, at.theta) - problem.load;
     at.certificate.kkt = std::max(largest(at.unmet) / size, at.penalty_error);
-    const bool gains = at.certificate.kkt < 0.5 * best.certificate.kkt;
-    if (at.certificate.kkt < best.certificate.kkt) best = at;
-    without_gain = gains ? 0 : without_gain + 1;
-    constexpr double settled = 1e-9;
-    const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
-    if (best.certificate.kkt <= TangentSolver::to_rounding || without_gain == patience) break;
+    if (end.take(at.certificate.kkt)) best = at;
+    if (end.least() <= TangentSolver::to_rounding || end.stalls()) break;
   }
   field.residual = best.certificate.kkt;
   field.skeleton = best.x.high;

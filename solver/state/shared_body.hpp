@@ -110,29 +110,15 @@ struct SharedBody::Impl {
     double size = 0;  // of the energy
   };
 
-  /// The force of a row that the last digit of the prescribed displacements makes: what a body that they move as a
-  /// whole shows instead of none. `largest`: of them.
-  double force_of_rounding(double largest) const;
-
   /// Fills in the rest of a round, and the interiors of its fields.
   void judge(const Loads& loads, Round& r, Field& field);
 
   /// Moves on to the solution of the equations that a round has left unmet.
   void correct(Round& r, State& state);
 
-  // Uniform pressures, as UniformPressure has them (solver/system/penalty.hpp) [theory: E.23].
-
-  /// Per piece the sum of |T| values over the body.
-  Eigen::VectorXd over_pieces(const Eigen::VectorXd& values);
-
-  /// The responses to theta = a on each piece, with what is held now.
-  void find_responses(int& solves);
-
-  /// One step of the penalty iteration, with its error. `must_fit`: throws where an enclosed incompressible body is to
-  /// change its area (check_volume).
+  /// One step of the penalty iteration, with its error, after uniform pressures are taken out [theory: E.23].
+  /// `must_fit`: UniformPressure::must_fit.
   void step_theta(const Loads& loads, Round& r, int& solves, bool must_fit);
-  void take_out_uniform(const Loads& loads, Round& r, int& solves, bool must_fit);
-  void take_out_level(const Loads& loads, Round& r);
 
   State solve(const ContactGuess& guess, bool keep_factor);
 
@@ -174,6 +160,7 @@ struct SharedBody::Impl {
   std::vector<bool> held = {};                   // per row in contact of all
   std::map<Index, ExchangedRow> exchanged = {};  // about `now`, by row
   SharedEffort effort_before = {};               // of the systems before
+  double stiffest = 0;                           // diagonal entry of the matrices of all processes
   Index unknowns = 0;                            // of the body
   std::vector<ContactPoint> points = {};         // of all
   std::vector<Index> own_contact = {};           // unknowns of own rows in contact, which begin at first_contact
@@ -181,13 +168,7 @@ struct SharedBody::Impl {
   std::vector<Index> contact_of = {};  // per unknown its row in contact of all
   Eigen::VectorXd gaps = {};           // per row in contact of all its jump at first contact
   std::pair<std::vector<std::vector<double>>, std::vector<double>> own_paths = {};  // PartOfPaths
-  std::vector<Index> piece = {};  // per triangle the connected part of its material
-  struct {
-    std::vector<bool> held;               // that the responses were found with
-    Eigen::MatrixXd response, stiffness;  // per unknown here and piece; per piece
-    Eigen::VectorXd size;                 // per piece the sum of |T| a
-    bool level_open = false;              // as UniformPressure has it
-  } uniform = {};
+  UniformPressure uniform = UniformPressure();
 };
 
 }  // namespace kerf

@@ -49,17 +49,11 @@ void certify_iterate(const Condensation& condensed, const Judged& by, PenaltyIte
   s.force = Eigen::VectorXd::Zero(m.inner->ordering.size);
   double law = 0;
   if (contact_rows > 0) {
-    const Eigen::VectorXd force = by.rest.tail(contact_rows);
-    const Admissible allowed = admissible(condensed.points, force);
-    for (Index i = 0; i < contact_rows; ++i) {
-      if (s.motion[i] == Motion::Held)
-        s.force[leading + i] = force[i];
-      else
-        s.force[leading + i] = s.motion[i] == Motion::Forward ? allowed.low[i] : allowed.high[i];
-      if (s.motion[i] != Motion::Held)
-        c.residual = std::max(c.residual, std::abs(force[i] - s.force[leading + i]) / load);
-    }
-    law = optimality(condensed.points, s.x.tail(contact_rows), force, load);
+    const JudgedContact judged =
+        judge_contact(condensed.points, s.motion, s.x.tail(contact_rows), by.rest.tail(contact_rows), load);
+    s.force.tail(contact_rows) = judged.bears;
+    c.residual = std::max(c.residual, judged.residual);
+    law = judged.law;
   }
   c.kkt = s.x.allFinite() ? std::max({c.residual, law, s.penalty_error}) : infinity;
 }
@@ -214,16 +208,14 @@ double largest_of(const std::vector<double>& values) {
   return largest;
 }
 
-// The force of a row that the last digit of the prescribed displacements makes: what a body that they move as a whole
-// shows instead of none.
 double force_of_rounding(const Model& m) {
   const double largest = largest_of(m.inner->skeleton.prescribed);
   if (largest == 0) return 0;
-  double stiffness = 0;
+  double stiffest = 0;
   const LowerTriangle& K = *m.inner->system.K;
   for (Index j = 0; j < K.size; ++j)
-    if (K.start[j] < K.start[j + 1]) stiffness = std::max(stiffness, std::abs(K.values[K.start[j]]));
-  return std::numeric_limits<double>::epsilon() * stiffness * largest;
+    if (K.start[j] < K.start[j + 1]) stiffest = std::max(stiffest, std::abs(K.values[K.start[j]]));
+  return kerf::force_of_rounding(stiffest, largest);
 }
 
 // What the slip of the steps before [theory: C.28] would take if nothing answered it. Of an unloaded body that is all
@@ -475,7 +467,8 @@ State solve(const Model& m, ContactMethod method) {
   Stopwatch watch;
   const Condensation condensed(m);
   state.seconds.contact = watch.lap();
-  UniformPressure uniform{.must_fit = true};
+  UniformPressure uniform;
+  uniform.must_fit = true;
   const auto solve = [&](const Eigen::VectorXd& F, PenaltyIterate& s) {
     solve_contact(condensed, method, F, s, state);
   };
@@ -492,9 +485,9 @@ State solve(const Model& m, ContactMethod method) {
   // Traces that no triangle sees answer nothing: K is singular there.
   if (loses_digits(state) && m.inner->ordering.size > 0 && m.inner->skeleton.unseen.empty())
     refine(condensed, std::move(drive), uniform, solution, state);
-  if (uniform.level_open)
+  if (uniform.level_open())
     has_free_pressure(m.mesh, m.scene, m.inner->skeleton);  // an opening crack would have fixed it
-  state.linear_solves += uniform.solves;
+  state.linear_solves += uniform.solves();
   state.eigenstrain = m.inner->data.strain.empty() ? 0 : 1;
   if (!m.inner->floating.empty()) remove_motions(m, state);
   state.seconds.solve = watch.lap() - (state.seconds.contact - before);

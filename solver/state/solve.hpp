@@ -4,6 +4,8 @@
 #include "solver/system.hpp"
 #include "solver/tangent_cone.hpp"
 
+#include <limits>
+
 namespace kerf {
 
 /// Takes the rigid motions out that the supports leave free.
@@ -18,6 +20,12 @@ Eigen::VectorXd floating_moments(const Model& m, const Field& field);
 void check_volume(const Model& m, double change, double largest_strain);
 /// The same of a body with this area whose largest prescribed displacement is known.
 void check_volume(double change, double largest_strain, double displacement, double area);
+
+/// The force of a row that the last digit of the prescribed displacements, at most `largest`, makes: what a body that
+/// they move as a whole shows instead of none. `stiffest`: diagonal entry of K.
+inline double force_of_rounding(double stiffest, double largest) {
+  return std::numeric_limits<double>::epsilon() * stiffest * largest;
+}
 
 /// Why an enclosed incompressible body whose cracks are all closed has no solution.
 inline constexpr const char* open_level =

@@ -47,7 +47,7 @@ double peak_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-VectorXd diagonal_of(const RankPart& part, const std::vector<Index>& rows) {
+VectorXd diagonal_of(const PartMatrix& part, const std::vector<Index>& rows) {
   VectorXd d(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto begin = part.columns.begin() + part.start[rows[k]], end = part.columns.begin() + part.start[rows[k] + 1];
@@ -96,10 +96,11 @@ MatrixXd orthonormal(const MatrixXd& columns, const VectorXd& diagonal) {
 // inside to the complement.
 class Bddc : public SharedSolver {
  public:
-  Bddc(RankPart part, Communicator& comm, int threads, Precision precision)
+  Bddc(PartMatrix part, Communicator& comm, int threads, Precision precision)
       : peers_(comm),
         interface_(find_interface(part, comm)),
         diagonal_(diagonal_of(part, interface_.rows)),
+        stiffest_(largest_diagonal(part)),
         rows_(part.rows),
         own_(rows_owned(part)),
         inside_(part, interface_.rows, threads, precision, given_),
@@ -144,6 +145,9 @@ class Bddc : public SharedSolver {
   SharedEffort effort() const override {
     return effort_;
   }
+  double stiffest() const override {
+    return stiffest_;
+  }
 
  private:
   /// On both sides of a piece the same.
@@ -154,7 +158,7 @@ class Bddc : public SharedSolver {
   };
 
   /// Numbers of process p are consecutive, those of lower processes before.
-  std::vector<Index> rows_owned(const RankPart& part) const {
+  std::vector<Index> rows_owned(const PartMatrix& part) const {
     const std::vector<Index> counts = gathered(peers_, std::vector<Index>{part.owned});
     const Index first = std::reduce(counts.begin(), counts.begin() + peers_.here());
     std::vector<Index> own;
@@ -365,6 +369,7 @@ class Bddc : public SharedSolver {
   Communicator& peers_;
   Interface interface_;
   VectorXd diagonal_;  // of K_p, on the interface
+  double stiffest_;
   Index rows_;
   std::vector<Index> own_;  // rows that this process owns
   MatrixXd given_;          // S, on its way to S_
@@ -381,7 +386,7 @@ class Bddc : public SharedSolver {
 
 }  // namespace
 
-std::unique_ptr<SharedSolver> bddc(RankPart part, Communicator& comm, int threads, Precision precision) {
+std::unique_ptr<SharedSolver> bddc(PartMatrix part, Communicator& comm, int threads, Precision precision) {
   return std::make_unique<Bddc>(std::move(part), comm, threads, precision);
 }
 

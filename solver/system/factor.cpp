@@ -2,10 +2,9 @@
 // given, rows in contact last, so that with y = L^-1 (F, G)
 //   L = (L_11 0; L_21 L_22):   S = L_22 L_22',   r = L_22 y_2,   x = L^-T (y_1, L_22' j)   [theory: C.7],
 // the condensed matrix of contact costs nothing beyond the factorization. Indefinite (stresses at vertices): LU. By a
-// `LeadingSolver` of the rows without contact: block elimination with S from a solve per row [theory: E.31]; forward
+// `LeadingSolver` of the rows without contact: block elimination [theory: E.31]; forward
 // then gives (K_II^-1 b_I, L_22^-1 (b_C - K_CI K_II^-1 b_I)), and backward undoes it. Derived in
-// docs/theory/contact.md, section The small problem, and docs/theory/elements.md, sections The factor and Solving in
-// parts.
+// docs/theory/contact.md, section The small problem, and docs/theory/elements.md, section The factor.
 
 #include "solver/factor.hpp"
 
@@ -146,29 +145,7 @@ struct Factor::Impl {
       coupling.start.push_back(static_cast<Index>(coupling.rows.size()));
     }
     if (contact == 0) return;
-    if (leading->contact_factor()) {
-      contact_factor = interface_factor = *leading->contact_factor();
-      return;
-    }
-    Eigen::MatrixXd S(contact, contact);
-    for (Index i = 0; i < contact; ++i) {
-      check_stop();
-      S.col(i) = -on_contact(leading->solve(on_leading(Eigen::VectorXd::Unit(contact, i))));
-    }
-    S = (0.5 * (S + S.transpose())).eval();  // of the rounding of solves that are not exact
-    for (Index j = first; j < size; ++j)
-      for (Index p = coupling.start[j]; p < coupling.start[j + 1]; ++p) {
-        const Index r = coupling.rows[p] - first, c = j - first;
-        S(r, c) += coupling.values[p];
-        if (r != c) S(c, r) += coupling.values[p];
-      }
-    const Eigen::LLT<Eigen::MatrixXd> factored(S);
-    if (factored.info() != Eigen::Success)
-      throw LostDefiniteness(
-          "rounding has eaten the stiffness of the cracks in contact: the body is slender or nearly free to move; use "
-          "backend = \"cholmod\"");
-    contact_factor = factored.matrixL();
-    interface_factor = contact_factor;
+    contact_factor = interface_factor = leading->contact_factor();
   }
 
   template <typename Dense>

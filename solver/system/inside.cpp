@@ -19,13 +19,13 @@ namespace kerf {
 
 namespace {
 
-std::span<const Index> columns_of(const RankPart& part, Index row) {
+std::span<const Index> columns_of(const PartMatrix& part, Index row) {
   return {part.columns.data() + part.start[row], part.columns.data() + part.start[row + 1]};
 }
 
 /// Rows in the order of elimination: those of an edge see the same and are one node of the graph, which is sixteen
 /// times smaller than that of the rows.
-std::vector<Index> sequence(const RankPart& part, std::span<const Index> shared, int threads) {
+std::vector<Index> sequence(const PartMatrix& part, std::span<const Index> shared, int threads) {
   std::vector<Index> node(static_cast<std::size_t>(part.rows), 0), first, end;  // rows of each node
   for (const Index row : shared) node[row] = none;
   for (Index row = 0; row < part.rows; ++row) {
@@ -55,7 +55,7 @@ std::vector<Index> sequence(const RankPart& part, std::span<const Index> shared,
 }
 
 /// Nothing stays of the part.
-LowerTriangle in_order(RankPart& part, const std::vector<Index>& order) {
+LowerTriangle in_order(PartMatrix& part, const std::vector<Index>& order) {
   std::vector<Index> position(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) position[order[k]] = static_cast<Index>(k);
   LowerTriangle lower{part.rows, {0}, {}, {}};
@@ -87,7 +87,7 @@ bool Inside::factorize(const LowerTriangle& lower, Eigen::MatrixXd& S) {
 
 // A shift of 1e-13 stands above the rounding of K_II; conjugate gradients on the interface, and the rounds around them,
 // undo it. If that is not enough, nothing else is tried.
-Inside::Inside(RankPart& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S)
+Inside::Inside(PartMatrix& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S)
     : order_(sequence(part, shared, threads)), threads_(threads) {
   const auto kept = static_cast<Index>(shared.size());
   S.setZero(kept, kept);

@@ -2,7 +2,7 @@
 // The inside of a part eliminated exactly: its factor, and what is left of the rows that the part shares.
 
 #include "kerf/model.hpp"
-#include "solver/ranks.hpp"
+#include "solver/part_matrix.hpp"
 #include "solver/system/multifrontal.hpp"
 
 #include <memory>
@@ -17,7 +17,7 @@ class Inside {
   /// the lower half of K_GG - K_GI K_II^-1 K_IG, above it what has no meaning. Throws LostDefiniteness when K_II is not
   /// positive definite, std::bad_alloc.
   /// `precision`: in which L is kept; all is computed in double precision, S and what follows from L.
-  Inside(RankPart& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S);
+  Inside(PartMatrix& part, std::span<const Index> shared, int threads, Precision precision, Eigen::MatrixXd& S);
 
   /// (L^-1 b_I, b_G - K_GI K_II^-1 b_I) of b in rows of the part.
   Eigen::VectorXd forward(const Eigen::VectorXd& b) const;

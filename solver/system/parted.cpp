@@ -3,7 +3,7 @@
 // K_p condensed from the triangles of part p, R_p the unknowns that it sees. Triangles are partitioned along the graph
 // of edges that hold both sides together, pieces cut off from their part are given to neighbors, and unknowns belong to
 // the first part that sees them. On a crack that parts freely the unknowns are what each side sees, u and u + [u], so
-// that no part holds on to what it does not touch; forces on (u, [u]) become (f_u - f_j, f_j) on these. A part travels
+// that no part holds on to what it does not touch. A part travels
 // as bytes (`packed_part`), and is condensed where it arrives (`condensed_part`), with the rows that touch each other
 // along borders, from which connected pieces of the interface follow. Derived in docs/theory/elements.md, section
 // Solving in parts.
@@ -14,6 +14,8 @@
 #include "geometry/topology.hpp"
 #include "kerf/stop.hpp"
 #include "solver/system/lists.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <numeric>
@@ -178,9 +180,9 @@ std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& 
   return holder;
 }
 
-std::vector<Index> partition(const Assembly& from, Ranks& ranks) {
+std::vector<Index> partition(const Assembly& from, const Partitioner& partitioner) {
   const PartGraph graph = graph_of(from);
-  return in_one_piece(graph, ranks.partition(graph.start, graph.neighbors));
+  return in_one_piece(graph, partitioner(graph.start, graph.neighbors));
 }
 
 // Rows of a part are in the order of their numbers among all, so that both sides of a border list what they share in
@@ -218,92 +220,6 @@ std::string packed_part(const Packing& by, std::span<const Index> triangles, Ind
 
 namespace {
 
-// The partition, the numbers of the unknowns, what each part sees.
-// Numbers of unknowns: those of part 0, then of part 1, and so on, each in the order of the rows.
-class Parts {
- public:
-  Parts(const Assembly& from, double penalty, Ranks& ranks)
-      : from_(from), penalty_(penalty), leading_(from.ordering.leading()), part_(partition(from, ranks)) {
-    number(ranks.count());
-  }
-
-  std::unique_ptr<PartedSolver> solver(Ranks& ranks) const {
-    const Lists triangles = file_under(static_cast<Index>(owned_.size()), part_);
-    const Corners corners = corners_at_free_cracks(from_);
-    const Packing packing{from_, penalty_, corners, number_};
-    return ranks.solver([&](Index p) { return packed_part(packing, triangles[p], owned_[p]); }, owned_);
-  }
-  const std::vector<Index>& number() const {
-    return number_;
-  }
-  /// Pairs of leading rows: a trace u that both sides of a crack share and the jump there.
-  std::vector<std::array<Index, 2>> split() const {
-    const Skeleton& s = from_.skeleton;
-    std::vector<std::array<Index, 2>> pairs;
-    for (Index e = 0; e < static_cast<Index>(from_.mesh.edges.size()); ++e)
-      for (int k = 0; s.jump[e] != none && k < s.per_edge; ++k) {
-        const Index base = from_.ordering.row[edge_unknown(s, e) + k], jump = from_.ordering.row[s.jump[e] + k];
-        if (base != none && jump != none && jump < leading_) pairs.push_back({base, jump});
-      }
-    return pairs;
-  }
-
- private:
-  // Unknowns of the first part that sees them, part by part.
-  void number(int count) {
-    std::vector<Index> owner(static_cast<std::size_t>(leading_), none);
-    const Index triangles = static_cast<Index>(from_.mesh.triangles.size());
-    for (Index t = 0; t < triangles; ++t)
-      for (const Index row : rows_of(from_, t))
-        if (row != none && (owner[row] == none || owner[row] > part_[t])) owner[row] = part_[t];
-    owned_.assign(static_cast<std::size_t>(count), 0);
-    for (Index& o : owner) {
-      if (o == none) o = 0;
-      ++owned_[o];
-    }
-    std::vector<Index> next(owned_.size(), 0);
-    std::partial_sum(owned_.begin(), owned_.end() - 1, next.begin() + 1);
-    number_.resize(owner.size());
-    for (Index row = 0; row < leading_; ++row) number_[row] = next[owner[row]]++;
-  }
-
-  const Assembly& from_;
-  double penalty_;
-  Index leading_;
-  std::vector<Index> part_, owned_, number_;
-};
-
-class ByRanks : public LeadingSolver {
- public:
-  ByRanks(const Parts& parts, std::shared_ptr<Ranks> ranks)
-      : ranks_(std::move(ranks)), number_(parts.number()), split_(parts.split()) {
-    solver_ = parts.solver(*ranks_);
-  }
-
-  // With z = (u, u + jump) on cracks: forces on u and the jump are those on z.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override {
-    check_stop();
-    Eigen::VectorXd forces = b;
-    for (const auto& [base, jump] : split_) forces[base] -= forces[jump];
-    Eigen::VectorXd right(b.size()), x(b.size());
-    for (Eigen::Index row = 0; row < b.size(); ++row) right[number_[row]] = forces[row];
-    const Eigen::VectorXd z = solver_->solve(right);
-    for (Eigen::Index row = 0; row < b.size(); ++row) x[row] = z[number_[row]];
-    for (const auto& [base, jump] : split_) x[jump] -= x[base];
-    return x;
-  }
-
-  PartedEffort effort() const override {
-    return solver_->effort();
-  }
-
- private:
-  std::shared_ptr<Ranks> ranks_;
-  std::vector<Index> number_;
-  std::vector<std::array<Index, 2>> split_;
-  std::unique_ptr<PartedSolver> solver_;
-};
-
 /// The triangles of a packed part, one after the other.
 struct PackedCell {
   PackedTriangle t;
@@ -330,7 +246,7 @@ struct Seams {
 
 // For each row that one triangle alone sees here, those like it at its own edge and at the edges that share a corner
 // with it: all others lie inside.
-void connect_rows(const Seams& all, int per_edge, RankPart& part) {
+void connect_rows(const Seams& all, int per_edge, PartMatrix& part) {
   std::vector<char> seen(static_cast<std::size_t>(part.rows), 0);
   for (const Index row : all.rows)
     if (row != none) seen[row] = static_cast<char>(std::min(2, seen[row] + 1));
@@ -362,7 +278,7 @@ void connect_rows(const Seams& all, int per_edge, RankPart& part) {
 
 // The pattern of K_p: per row the triangles that see it, then their rows.
 // By counting first, so that no list of pairs is stored.
-void set_pattern(const Seams& all, int count, RankPart& part) {
+void set_pattern(const Seams& all, int count, PartMatrix& part) {
   const std::size_t rows = static_cast<std::size_t>(part.rows), width = static_cast<std::size_t>(count);
   std::vector<Index> start(rows + 1, 0), by(all.rows.size());
   for (const Index row : all.rows)
@@ -392,21 +308,20 @@ void set_pattern(const Seams& all, int count, RankPart& part) {
 
 // Unknowns at vertices would belong to more than two parts; unseen traces leave parts singular beyond rigid motions;
 // quasi-definite matrices have no conjugate gradients.
-bool can_be_parted(const Element& e) {
-  return is_mixed(e) && e.at_vertices == AtVertices::Nothing && !has_unseen_traces(e) && is_definite(e);
-}
-
-std::unique_ptr<LeadingSolver> parted(const Assembly& from, double penalty, std::shared_ptr<Ranks> ranks) {
-  const Parts parts(from, penalty, *ranks);
-  return std::make_unique<ByRanks>(parts, std::move(ranks));
+void require_edges_alone(const Element& e) {
+  if (is_mixed(e) && e.at_vertices == AtVertices::Nothing && !has_unseen_traces(e) && is_definite(e)) return;
+  throw Error(Fault::Usage, fmt::format("backend \"petsc\" solves elements whose unknowns live on edges alone; \"{}\" "
+                                        "is none of them: use \"bdms\", \"afw\" or \"arnold-winther-nc\", or the "
+                                        "backend \"cholmod\"",
+                                        e.name));
 }
 
 // The packed triangles are read twice, for the pattern and for the values: K_p exists once.
-RankPart condensed_part(std::string_view packed) {
+PartMatrix condensed_part(std::string_view packed) {
   use_one_thread();
   Unpacker from(packed);
   const Kernel k = kernel(elements[static_cast<std::size_t>(from.get<Index>())]);
-  RankPart part;
+  PartMatrix part;
   part.number = from.all<Index>();
   part.rows = static_cast<Index>(part.number.size());
   part.owned = from.get<Index>();
@@ -440,6 +355,14 @@ RankPart condensed_part(std::string_view packed) {
     }
   }
   return part;
+}
+
+double largest_diagonal(const PartMatrix& part) {
+  double most = 0;
+  for (Index row = 0; row < part.rows; ++row)
+    for (Index p = part.start[row]; p < part.start[row + 1]; ++p)
+      if (part.columns[p] == row) most = std::max(most, part.values[p]);
+  return most;
 }
 
 }  // namespace kerf

@@ -1,14 +1,11 @@
 #pragma once
-// The leading rows of K, those that no contact law acts on, in parts: one for each process.
+// The leading rows of K, those that no contact law acts on, in parts, one for each process: which triangles and
+// unknowns are whose, and what of K a part packs.
 
-#include "solver/factor.hpp"
-#include "solver/ranks.hpp"
+#include "solver/divided_body.hpp"
 #include "solver/system/assemble.hpp"
 
 namespace kerf {
-
-/// Whether the unknowns of an element live on edges alone, so that its matrix can be solved in parts.
-bool can_be_parted(const Element& e);
 
 /// Whether the two sides of a crack move by themselves in a component: its jump is a leading row.
 bool parts_freely(const Ordering& o, Index jump);
@@ -22,7 +19,7 @@ Corners corners_at_free_cracks(const Assembly& from);
 std::vector<Index> holders(const Mesh& mesh, const Skeleton& s, const Ordering& o, const std::vector<Index>& process);
 
 /// The process of each triangle, so that parts are of one size and in one piece, and few edges are cut.
-std::vector<Index> partition(const Assembly& from, Ranks& ranks);
+std::vector<Index> partition(const Assembly& from, const Partitioner& partitioner);
 
 /// What a part is packed from. `number`: of the leading rows that its triangles see, among all.
 struct Packing {
@@ -31,12 +28,8 @@ struct Packing {
   const Corners& corners;  // at free cracks
   const std::vector<Index>& number;
 };
-/// What condensed_part (solver/ranks.hpp) unpacks: of these triangles; of the unknowns of all the process owns so many.
+/// What condensed_part (solver/part_matrix.hpp) unpacks: of these triangles; of the unknowns of all the process owns so
+/// many.
 std::string packed_part(const Packing& by, std::span<const Index> triangles, Index owned);
-
-/// Solves with the leading rows of K by `ranks`. `penalty`: System::penalty. On the two sides of a crack that parts
-/// freely the unknowns are what each side sees, u and u + jump: then no part holds on to what it does not touch
-/// [theory: E.30].
-std::unique_ptr<LeadingSolver> parted(const Assembly& from, double penalty, std::shared_ptr<Ranks> ranks);
 
 }  // namespace kerf

@@ -173,134 +173,52 @@ Eigen::VectorXd Condensation::solve_at_contact(const Eigen::VectorXd& b, const s
                               HeldFactors::On::Contact);
 }
 
-// Pieces are connected across edges, cracks included.
-std::vector<Index> material_pieces(const Mesh& mesh, const Scene& scene, Index most) {
-  const Index triangles = static_cast<Index>(mesh.triangles.size());
-  std::vector<Index> piece(static_cast<std::size_t>(triangles), scene.regions.empty() ? 0 : none);
-  Index count = 0;
-  std::vector<Index> waiting;
-  for (Index first = 0; first < triangles; ++first) {
-    if (piece[first] != none) continue;
-    const Index number = std::min(count++, most - 1);
-    piece[first] = number;
-    waiting.assign(1, first);
-    while (!waiting.empty()) {
-      const Index t = waiting.back();
-      waiting.pop_back();
-      for (const Index e : mesh.edges_of[t])
-        for (const Index next : mesh.sides[e])
-          if (next != none && piece[next] == none && region_of(mesh, next) == region_of(mesh, t)) {
-            piece[next] = number;
-            waiting.push_back(next);
-          }
-    }
-  }
-  return piece;
-}
-
 namespace {
 
-// The response to a unit of theta/a on one piece.
-Eigen::VectorXd response_to(const Condensation& condensed, const Loads& loads, const UniformPressure& u, Index k) {
+PressedBody pressed(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motion) {
   const Model& m = condensed.m;
-  PenaltyIterate unit;
-  unit.theta.setZero(static_cast<Eigen::Index>(u.piece.size()));
-  for (Index t = 0; t < static_cast<Index>(u.piece.size()); ++t)
-    if (u.piece[t] == k) unit.theta[t] = penalty_at(m, t);
-  return condensed.solve_frozen(right_hand_side(m, loads, unit) - loads.F, u.motion);
+  const auto respond = [&](const Eigen::VectorXd& theta) -> Eigen::VectorXd {
+    PenaltyIterate unit;
+    unit.theta = theta;
+    return condensed.solve_frozen(right_hand_side(m, loads, unit) - loads.F, motion);
+  };
+  return {.model = m,
+          .loads = loads,
+          .respond = respond,
+          .skeleton = [&m](const Eigen::VectorXd& x) { return on_skeleton(m, x, nullptr); },
+          .symmetric = !condensed.sliding};
 }
 
-// Per piece the sum of |T| values.
-Eigen::VectorXd sums(const Model& m, const UniformPressure& u, const Eigen::VectorXd& values) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(u.size.size());
-  for (Index t = 0; t < static_cast<Index>(u.piece.size()); ++t) sum[u.piece[t]] += cell_area(m, t) * values[t];
-  return sum;
-}
-
-// Takes the mean pressure out, which nothing answers: theta/a of the solution with this theta has mean 0.
-void without_level(const Model& m, const Loads& loads, PenaltyIterate& s) {
-  PenaltyIterate next = s;
-  update_theta(m, loads, next);
-  double sum = 0, whole = 0;
-  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) {
-    sum += cell_area(m, t) * next.theta[t] / penalty_at(m, t);
-    whole += cell_area(m, t);
+void correct(const Condensation& condensed, const Loads& loads, UniformPressure& uniform, PenaltyIterate& s) {
+  const Model& m = condensed.m;
+  const PressedBody body = pressed(condensed, loads, s.motion);
+  const Eigen::VectorXd delta = uniform.correct(body, held_by(s.motion, m.inner->ordering.contact_rows),
+                                                on_skeleton(m, s, loads.prescribed), s.theta);
+  if (s.low.size() > 0) {  // a stiff material feels the rounding of x
+    DoubleDouble x{std::move(s.x), std::move(s.low)};
+    for (Eigen::Index k = 0; k < delta.size(); ++k) add(x, delta[k], uniform.response().col(k));
+    s.x = std::move(x.high);
+    s.low = std::move(x.low);
+  } else {
+    s.x += uniform.response() * delta;
   }
-  for (Index t = 0; t < static_cast<Index>(s.theta.size()); ++t) s.theta[t] -= penalty_at(m, t) * sum / whole;
+  if (uniform.level_open()) uniform.take_out_level(body, on_skeleton(m, s, loads.prescribed), s.theta);
 }
 
 }  // namespace
 
-// Entry (l, k) of the stiffness: the sum over T in piece l of |T| (a [T in k] - a mean(tr s(x_k))), x_k the response to
-// theta = a on piece k, mean = t_m . x_k/|T| + theta by_theta.
-void UniformPressure::prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions) {
-  const Model& m = condensed.m;
-  constexpr Index most = 200;  // each costs a solve
-  if (piece.empty()) piece = material_pieces(m.mesh, m.scene, most);
-  motion = motions;
-  const Index count = 1 + *std::max_element(piece.begin(), piece.end()), rows = m.inner->ordering.size;
-  const Eigen::Index traces = m.inner->system.traces.rows() - 2;
-  response.resize(rows, count);
-  stiffness.resize(count, count);
-  size.setZero(count);
-  for (Index k = 0; k < count; ++k) {
-    response.col(k) = response_to(condensed, loads, *this, k);
-    ++solves;
-    const Eigen::VectorXd skeleton = on_skeleton(m, response.col(k), nullptr);
-    Eigen::VectorXd left(static_cast<Eigen::Index>(piece.size()));
-    for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) {
-      const auto column = m.inner->system.traces.col(t);
-      const double a = penalty_at(m, t),
-                   mean = column.head(traces).dot(trace_seen(m.mesh, m.inner->skeleton, skeleton, t)) / cell_area(m, t);
-      left[t] = a * ((piece[t] == k ? 1 - a * column[traces + 1] : 0) - mean);
-      if (piece[t] == k) size[k] += cell_area(m, t) * a;
-    }
-    stiffness.col(k) = sums(m, *this, left);
-  }
-  if (!condensed.sliding) stiffness = (0.5 * (stiffness + stiffness.transpose())).eval();
-}
-
-// The level is open where a uniform delta on all pieces is answered by nothing, up to 1e-11. With c = 0 the change of
-// area of a triangle is 2 |T| (a mean(tr s) - theta), what the penalty still lets it take; its sum is what the boundary
-// asks for and cannot have.
-void UniformPressure::correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s) {
-  const Model& m = condensed.m;
-  if (response.size() == 0 || motion != s.motion) prepare(condensed, loads, s.motion);
-  const Eigen::VectorXd before = s.theta;
-  update_theta(m, loads, s);
-  Eigen::VectorXd rest = sums(m, *this, s.theta - before);
-  // In units in which each piece by itself has stiffness 1 at most.
-  const Eigen::VectorXd root = size.cwiseSqrt();
-  Eigen::MatrixXd scaled = root.cwiseInverse().asDiagonal() * stiffness * root.cwiseInverse().asDiagonal();
-  constexpr double none_left = 1e-11;
-  level_open = !(root.dot(scaled * root) > none_left * size.sum());
-  if (level_open) {
-    change_of_area = 2 * rest.sum();
-    largest_strain = s.theta.cwiseAbs().maxCoeff();
-    if (must_fit) check_volume(m, change_of_area, largest_strain);
-    rest -= size * (rest.sum() / size.sum());
-    scaled += root * root.transpose() / size.sum();
-  }
-  const Eigen::VectorXd weighed = root.cwiseInverse().cwiseProduct(rest),
-                        found = condensed.sliding ? Eigen::VectorXd(scaled.partialPivLu().solve(weighed))
-                                                  : Eigen::VectorXd(scaled.ldlt().solve(weighed)),
-                        delta = root.cwiseInverse().cwiseProduct(found);
-  if (s.low.size() > 0) {  // a stiff material feels the rounding of x
-    DoubleDouble x{std::move(s.x), std::move(s.low)};
-    for (Eigen::Index k = 0; k < delta.size(); ++k) add(x, delta[k], response.col(k));
-    s.x = std::move(x.high);
-    s.low = std::move(x.low);
-  } else {
-    s.x += response * delta;
-  }
-  s.theta = before;
-  for (Index t = 0; t < static_cast<Index>(piece.size()); ++t) s.theta[t] += penalty_at(m, t) * delta[piece[t]];
-  if (level_open) without_level(m, loads, s);
-}
-
 // A product K x is known to a unit in the last place of |K| |x| (E.17).
 double rounding_of(const Model& m, const Eigen::VectorXd& x, double load) {
   return std::numeric_limits<double>::epsilon() * multiply_sizes(*m.inner->system.K, x).maxCoeff() / load;
+}
+
+bool RoundsEnd::take(double error) {
+  const bool first = std::exchange(begins_, false), slow = !first && !(error <= 0.5 * least_),
+             best = first || error < least_;
+  if (best) least_ = error;
+  patience_ = penalized_ && least_ > settled ? 6 : 1;
+  without_gain_ = slow ? without_gain_ + 1 : 0;
+  return best;
 }
 
 // A round is one solve, its uniform pressures, one step of theta, the loads of that. The best round is kept: with a
@@ -312,11 +230,11 @@ PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, Penalt
   if (penalized && next.theta.size() == 0) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
   PenaltyIterate best = next;
   Eigen::VectorXd F = loads.F;
-  int without_gain = 0;
+  RoundsEnd end(penalized);
   for (int round = 0; round < steps.most; ++round) {
     if (any_rows) steps.solve(F, next);
     if (penalized) {
-      uniform.correct(condensed, loads, next);
+      correct(condensed, loads, uniform, next);
       update_theta(m, loads, next);
       F = right_hand_side(m, loads, next);
     }
@@ -326,16 +244,10 @@ PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, Penalt
       continue;
     }
     steps.certify(F, next);
-    const double error = next.certificate.kkt, least = best.certificate.kkt;
-    const bool slow = round > 0 && error > 0.5 * least;
-    if (round == 0 || error < least) best = next;
-    // With a penalty F is as large as 1/a, so that the rounds go on until rounding stops them; before they shrink the
-    // error they may raise it, while a pressure builds up or contacts change.
-    constexpr double settled = 1e-9;
-    const int patience = penalized && best.certificate.kkt > settled ? 6 : 1;
-    without_gain = slow ? without_gain + 1 : 0;
-    if (error <= steps.enough || without_gain == patience) break;
-    if (!penalized && steps.rounding && error <= settled && error <= steps.rounding(next)) break;
+    const double error = next.certificate.kkt;
+    if (end.take(error)) best = next;
+    if (error <= steps.enough || end.stalls()) break;
+    if (!penalized && steps.rounding && error <= RoundsEnd::settled && error <= steps.rounding(next)) break;
   }
   return best;
 }

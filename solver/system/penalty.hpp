@@ -5,6 +5,7 @@
 #include "solver/contact/sliding.hpp"
 #include "solver/state/solve.hpp"
 #include "solver/system/elementwise.hpp"
+#include "solver/system/uniform_pressure.hpp"
 
 #include <functional>
 #include <optional>
@@ -80,34 +81,6 @@ struct Condensation {
   mutable std::optional<SlidingRows> sliding_rows_ = {};
 };
 
-/// The iterations shrink every error fast but one: a uniform pressure where there is no volume to change, in a body
-/// that its supports enclose, in a soft region that a stiff one encloses, falls only by a/(a + c) or a/(a + 1/mu) with
-/// the mu of what encloses it. So the uniform pressures, one per connected piece of a material, are taken out exactly:
-/// theta + a delta_k on piece k, x + sum_k delta_k response_k, with delta such that the means over the pieces of
-/// theta - a mean(tr s) vanish [theory: E.23]. With c = 0 everywhere an enclosed body has no level of pressure at all,
-/// and no solution when its boundary is asked to change the volume: the mean pressure is then zero.
-struct UniformPressure {
-  std::vector<Motion> motion;  // that the responses were computed with
-  std::vector<Index> piece;    // per triangle
-  Eigen::MatrixXd response;    // of x to theta = a on each piece, a column per piece
-  Eigen::MatrixXd stiffness;   // sum_T |T| (a - a d mean(tr s)/d delta), per piece; symmetric
-  Eigen::VectorXd size;        // sum_T |T| a of each piece
-  bool level_open = false;     // the last solution leaves the level of pressure free
-  double change_of_area = 0;   // that the boundary then asks for
-  double largest_strain = 0;
-  bool must_fit = false;  // throw when that change is more than rounding
-  int solves = 0;
-
-  void correct(const Condensation& condensed, const Loads& loads, PenaltyIterate& s);
-
- private:
-  void prepare(const Condensation& condensed, const Loads& loads, const std::vector<Motion>& motions);
-};
-
-/// Connected triangles of one material; all are one piece without regions. No more than `most`: those that are left
-/// share the last.
-std::vector<Index> material_pieces(const Mesh& mesh, const Scene& scene, Index most);
-
 /// What rounding alone may leave of K x - F, relative to `load`: no solve shrinks that.
 double rounding_of(const Model& m, const Eigen::VectorXd& x, double load);
 
@@ -121,6 +94,28 @@ struct PenaltySteps {
   double enough = 0;  // of Certificate::kkt
   /// `rounding_of` the iterate; not asked for with a penalty.
   std::function<double(const PenaltyIterate& s)> rounding = {};
+};
+
+/// When rounds end of which each removes what the one before has left: they no longer halve the error. With a penalty F
+/// is as large as 1/a, so that they go on until rounding stops them; before they shrink the error they may raise it,
+/// while a pressure builds up or contacts change.
+class RoundsEnd {
+ public:
+  static constexpr double settled = 1e-9;  // an error from which it is rounding alone that is left
+  explicit RoundsEnd(bool penalized) : penalized_(penalized) {}
+  /// Of the next round; whether its error is the least so far.
+  bool take(double error);
+  bool stalls() const {
+    return without_gain_ == patience_;
+  }
+  double least() const {
+    return least_;
+  }
+
+ private:
+  bool penalized_, begins_ = true;
+  double least_ = infinity;
+  int without_gain_ = 0, patience_ = 1;
 };
 
 /// One solve, then rounds that remove the residual: of rounding, and of the penalty when there is one. Gives the best

@@ -28,7 +28,7 @@ std::vector<T> values_of(const std::string& bytes) {
 
 /// Per row the process that has it, too, or none. Who does not own a row tells its owner.
 /// A row of three parts would be an unknown at a vertex, which solving in parts does not take.
-std::vector<Index> other_side(const RankPart& part, Communicator& comm) {
+std::vector<Index> other_side(const PartMatrix& part, Communicator& comm) {
   const std::vector<Index> counts = gathered(comm, std::vector<Index>{part.owned});
   std::vector<Index> end(counts.size());  // of the numbers of each process
   std::partial_sum(counts.begin(), counts.end(), end.begin());
@@ -54,7 +54,7 @@ std::vector<Index> other_side(const RankPart& part, Communicator& comm) {
 }
 
 /// Per row that is shared the least number of those that near rows join it with, all shared with the same process.
-std::vector<Index> joined_here(const RankPart& part, const std::vector<Index>& other) {
+std::vector<Index> joined_here(const PartMatrix& part, const std::vector<Index>& other) {
   std::vector<Index> label(other.size(), none), open;
   for (Index seed = 0; seed < part.rows; ++seed) {
     if (other[seed] == none || label[seed] != none) continue;
@@ -77,7 +77,7 @@ std::vector<Index> joined_here(const RankPart& part, const std::vector<Index>& o
 
 // A piece needs the labels of both sides: two rows that are joined here may be apart beyond a crack that only the other
 // part sees.
-Interface find_interface(const RankPart& part, Communicator& comm) {
+Interface find_interface(const PartMatrix& part, Communicator& comm) {
   const std::vector<Index> other = other_side(part, comm), here = joined_here(part, other);
   // In the order of their numbers the rows of both sides are the same.
   std::vector<std::vector<Index>> labels(static_cast<std::size_t>(comm.count()));

@@ -23,9 +23,9 @@ struct Interface {
   std::vector<Neighbor> neighbors;
 };
 
-/// All processes call it. Rows are in one piece where a chain of near rows (RankPart::near_rows) joins them on both
+/// All processes call it. Rows are in one piece where a chain of near rows (PartMatrix::near_rows) joins them on both
 /// sides. Each row is shared by two processes at most, by the one that owns it and another.
-Interface find_interface(const RankPart& part, Communicator& comm);
+Interface find_interface(const PartMatrix& part, Communicator& comm);
 
 /// `values` of rows of the interface, those of both sides added.
 void add_both_sides(const Interface& of, Communicator& comm, Eigen::VectorXd& values);

@@ -44,12 +44,12 @@ class Rounded : public LeadingSolver {
     effort_.iterations = std::max(effort_.iterations, found.steps);
     return found.x;
   }
-  PartedEffort effort() const override {
+  SolverEffort effort() const override {
     const std::scoped_lock lock(counting_);
     return effort_;
   }
-  const Eigen::MatrixXd* contact_factor() const override {
-    return &contact_factor_;
+  const Eigen::MatrixXd& contact_factor() const override {
+    return contact_factor_;
   }
   /// Whether a few steps solve for b.
   bool pays(const Eigen::VectorXd& b) const {
@@ -113,7 +113,7 @@ class Rounded : public LeadingSolver {
   Eigen::MatrixXd contact_factor_;
   int threads_;
   mutable std::mutex counting_;
-  mutable PartedEffort effort_{.parts = 1};
+  mutable SolverEffort effort_{.parts = 1};
 };
 
 }  // namespace

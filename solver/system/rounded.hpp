@@ -2,7 +2,6 @@
 // Solves with a factor that is kept in single precision.
 
 #include "solver/factor.hpp"
-#include "solver/ranks.hpp"
 
 #include <memory>
 

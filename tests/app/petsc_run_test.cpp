@@ -719,8 +719,9 @@ TEST_F(DividedRun, NoProcessHasTheMemoryOfTheWhole) {
 
 TEST_F(DividedRun, WhatIsOfTheWholeIsRefused) {
   write(square + material("0.3") + open_crack + solver("bdms", 1));
-  const auto refused = [&](int count, const std::string& arguments) {
-    const Outcome o = kerf(count, arguments + " --force --set 'solver.backend=\"petsc\"' --set mesh.refine=1");
+  const auto refused = [&](int count, const std::string& arguments, int refine = 1) {
+    const Outcome o =
+        kerf(count, fmt::format("{} --force --set 'solver.backend=\"petsc\"' --set mesh.refine={}", arguments, refine));
     EXPECT_EQ(o.code, 2) << o.said;
     return o.said;
   };
@@ -737,6 +738,8 @@ TEST_F(DividedRun, WhatIsOfTheWholeIsRefused) {
   EXPECT_NE(refused(2, "solve a.toml --set mesh.adapt.error=0.1 --set 'mesh.adapt.of=\"energy\"'")
                 .find("mesh.adapt.of asks for intervals"),
             std::string::npos);
+  EXPECT_NE(refused(2, "solve a.toml --set bounds.compliance=true", 0).find("[bounds] asks for"), std::string::npos);
+  EXPECT_NE(refused(2, "map a.toml --set map.bounds=true", 0).find("error bars of a map"), std::string::npos);
   write(square + material("0.3") + solver("bdms", 1));
   EXPECT_NE(refused(4, "solve a.toml --set mesh.size=0.9").find("too few for 4 processes"), std::string::npos);
 }
@@ -802,7 +805,7 @@ path = [[0.1, 0.3], [0.9, 0.62]]
                                          "1", "--set", "solver.backend=\"petsc\"", "--set", "mesh.size=0.01"});
     ASSERT_TRUE(run->reaches([&] {
       if (const auto launchers = children(run->id()); !launchers.empty()) started = children(launchers[0]);
-      return started.size() == 4 && text("stderr").find("factorize") != std::string::npos;
+      return started.size() == 4 && text("stderr").find("solve in parts") != std::string::npos;
     })) << text("stderr");
   }
 
@@ -818,7 +821,7 @@ path = [[0.1, 0.3], [0.9, 0.62]]
   std::vector<pid_t> started;
 };
 
-// Contact on many unknowns takes a solve for each of them: the third process is killed before they are all made.
+// The third process is killed while all solve.
 TEST_F(DisturbedRun, AKilledProcessEndsTheRunAndLeavesWhatIsWritten) {
   start("results");
   if (HasFatalFailure()) return;

@@ -68,7 +68,7 @@ std::vector<Index> boxes(const Mesh& mesh, double length, int columns, int rows)
 struct Found {
   double energy = 0;
   Certificate certificate;
-  PartedEffort effort;
+  SolverEffort effort;
 };
 Found in_parts(const Body& b, const std::vector<Index>& process) {
   const Mesh coarse = mesh_of(b);
@@ -88,7 +88,7 @@ double by_one(const Body& b) {
   return strain_energy(m, solve(m));
 }
 
-PartedEffort expect_same(const Body& b, int columns, int rows, const std::string& what, double within = 1e-9) {
+SolverEffort expect_same(const Body& b, int columns, int rows, const std::string& what, double within = 1e-9) {
   const Found found = in_parts(b, boxes(mesh_of(b), b.length, columns, rows));
   const double truth = by_one(b);
   EXPECT_NEAR(found.energy, truth, within * truth) << what;
@@ -110,7 +110,7 @@ TEST(Bddc, FewIterationsForAllMaterialsAndDegrees) {
     Body b{.poisson = row.poisson, .element = row.element, .cracks = {slanted}};
     if (row.element.degree > 1) b.size = 0.25;
     const std::string what = "degree " + std::to_string(row.element.degree) + ", nu " + std::to_string(row.poisson);
-    const PartedEffort e = expect_same(b, 2, 2, what);
+    const SolverEffort e = expect_same(b, 2, 2, what);
     EXPECT_LE(e.iterations, 12) << what;
     EXPECT_LE(e.condition, 5) << what;
   }
@@ -130,7 +130,7 @@ TEST(Bddc, FewIterationsWhateverTheContrast) {
   for (const double contrast : {1e3, 1e9}) {
     Body b{.discs = {circle("stiff", {0.47, 0.52}, 0.2, none), circle("soft", {0.75, 0.25}, 0.1, none)},
            .young = {contrast, 1 / contrast}};
-    const PartedEffort e = expect_same(b, 3, 2, "contrast " + std::to_string(contrast));
+    const SolverEffort e = expect_same(b, 3, 2, "contrast " + std::to_string(contrast));
     EXPECT_LE(e.iterations, 17) << contrast;
     EXPECT_LE(e.condition, 6) << contrast;
   }
@@ -140,7 +140,7 @@ TEST(Bddc, StripsOfAnyLength) {
   for (const double length : {20., 100., 400.}) {
     const Body b{.length = length, .size = 0.7};
     // One process ends at the residual that rounding leaves, with up to 1.1e-9 of the energy at a length of 20.
-    const PartedEffort e = expect_same(b, 5, 1, "length " + std::to_string(length), 1e-8);
+    const SolverEffort e = expect_same(b, 5, 1, "length " + std::to_string(length), 1e-8);
     EXPECT_LE(e.iterations, 8) << length;
     EXPECT_LE(e.condition, 1.5) << length;
   }
@@ -152,7 +152,7 @@ TEST(Bddc, CracksAcrossAndAlongParts) {
     for (const double friction : {0., 0.3}) {
       if (friction > 0 && kind != CrackLaw::Kind::Unilateral) continue;
       const Body b{.cracks = both, .law = {.kind = kind, .friction = friction}};
-      const PartedEffort e = expect_same(b, 2, 2, "kind " + std::to_string(static_cast<int>(kind)));
+      const SolverEffort e = expect_same(b, 2, 2, "kind " + std::to_string(static_cast<int>(kind)));
       EXPECT_LE(e.iterations, 14);
       EXPECT_LE(e.condition, 5);
     }
@@ -178,7 +178,7 @@ TEST(Bddc, PartsOfAnyShape) {
 
 // Two parts share one piece, which nothing else that they share holds: their motions are not felt by what is held.
 TEST(Bddc, TwoPartsOfWhichOneIsFree) {
-  const PartedEffort e = expect_same({}, 2, 1, "two");
+  const SolverEffort e = expect_same({}, 2, 1, "two");
   EXPECT_GE(e.primal, 3);
   EXPECT_LE(e.iterations, 3);
 }
@@ -213,8 +213,8 @@ TEST(Bddc, SoftForcesAreAllEigenvectorsAboveTheThreshold) {
 }
 
 /// A grid of springs, each node held a little.
-RankPart grid(Index side) {
-  RankPart part{.rows = side * side};
+PartMatrix grid(Index side) {
+  PartMatrix part{.rows = side * side};
   part.start = {0};
   for (Index row = 0; row < part.rows; ++row) {
     const Index x = row % side, y = row / side;
@@ -237,7 +237,7 @@ RankPart grid(Index side) {
 TEST(Bddc, InsideLeavesTheComplement) {
   constexpr Index side = 45;
   MatrixXd K = MatrixXd::Zero(side * side, side * side);
-  const RankPart part = grid(side);
+  const PartMatrix part = grid(side);
   for (Index row = 0; row < part.rows; ++row)
     for (Index p = part.start[row]; p < part.start[row + 1]; ++p) K(row, part.columns[p]) = part.values[p];
   const VectorXd b = VectorXd::Random(part.rows), x = K.llt().solve(b);
@@ -252,7 +252,7 @@ TEST(Bddc, InsideLeavesTheComplement) {
         rows_where([](Index i, Index) { return i == 9; }), rows_where([](Index i, Index) { return i >= 20 && i < 22; }),
         rows_where([](Index, Index) { return false; })}) {
     const auto count = static_cast<Eigen::Index>(shared.size());
-    RankPart first = part, second = part;
+    PartMatrix first = part, second = part;
     MatrixXd S, again;
     const Inside one(first, shared, 1, Precision::Double, S), three(second, shared, 3, Precision::Double, again);
     EXPECT_TRUE((S.triangularView<Eigen::Lower>().toDenseMatrix().array() ==

@@ -1,13 +1,12 @@
-// The processes that mpiexec started, behind two interfaces of the solver. Ranks (what the first process asks of the
-// others): orders as bytes, a letter and the name of a solver, upon which all of them build, use or drop their share of
-// a system that the first one has as a whole. Communicator (what processes do together): sums, largest values, an
+// The processes that mpiexec started. The first one gives the others tasks as bytes behind a letter; all of them work
+// at a task by the interface of the solver, Communicator (what processes do together): sums, largest values, an
 // exchange of bytes of all with all, a solver of a shared system, which is kerf's BDDC or, where options ask for it,
 // PETSc's [theory: E.30; Zampini 2016]. MPI and PETSc lie behind the table of functions of petsc_module.cpp. A process
 // that cannot go on ends all of them (MPI_Abort), since the others would wait for it; only what all of them find alike,
 // such as a solve that does not converge, is an error that all throw. run_by_mpiexec() starts the same program as many
 // processes and passes signals on to mpiexec. docs/theory/elements.md, "Solving in parts".
 
-#include "app/ranks.hpp"
+#include "app/processes.hpp"
 
 #include "app/parts/petsc_module.hpp"
 #include "base/kept_memory.hpp"
@@ -53,8 +52,8 @@ const Module& loaded() {
   return module;
 }
 
-// What the first process asks the others for; then the name of a solver, and what belongs to it.
-enum class Order : char { Options, Make, Solve, Drop, Task, End };
+// What the first process tells the others; with Options these follow.
+enum class Order : char { Options, Task, End };
 
 constexpr double shift_of_shear = 1e-5;  // far above the rounding of K_p, far below what holds the body
 
@@ -227,10 +226,13 @@ class PetscSolver : public SharedSolver {
   SharedEffort effort() const override {
     return effort_;
   }
+  double stiffest() const override {
+    return largest_diagonal(part_);
+  }
 
  private:
   int rank_;
-  RankPart part_;  // the solver looks at its matrix
+  PartMatrix part_;  // the solver looks at its matrix
   void* solver_ = nullptr;
   SharedEffort effort_;
 };
@@ -296,148 +298,12 @@ class MpiCommunicator : public Communicator {
   int rank_, count_;
 };
 
-/// The part of this process in a system that the first one has as a whole.
-class Share {
- public:
-  Share(std::string packed, int total, int owned, int rank, int count)
-      : peers_(rank, count), owned_(owned), solver_(peers_.solver(std::move(packed), total, 1, Precision::Double)) {}
-
-  /// `b`, `x`, `counts`: of the first process, of all; else null. Throws Error(Numerics) on all processes.
-  void solve(const double* b, double* x, const int* counts) {
-    const KerfPetsc& call = *loaded().call;
-    Eigen::VectorXd right(owned_);
-    call.scatter(b, counts, right.data(), owned_);
-    const Eigen::VectorXd own = solver_->solve(right);
-    call.gather(own.data(), owned_, x, counts);
-  }
-  PartedEffort effort() const {
-    return solver_->effort();
-  }
-
- private:
-  MpiCommunicator peers_;
-  int owned_;
-  std::unique_ptr<SharedSolver> solver_;
-};
-
-/// What a solve fails in all processes fail in.
-std::optional<Error> solved(Share& share, int rank, const double* b, double* x, const int* counts) {
-  return together(rank, [&]() -> std::optional<Error> {
-    try {
-      share.solve(b, x, counts);
-    } catch (const Error& e) {
-      return e;
-    }
-    return std::nullopt;
-  });
+std::string order(Order what, std::string_view more = {}) {
+  return std::string(1, static_cast<char>(what)).append(more);
 }
-
-std::string order(Order what, int name, std::string_view more = {}) {
-  std::string bytes(1, static_cast<char>(what));
-  bytes.append(reinterpret_cast<const char*>(&name), sizeof name);
-  return bytes.append(more);
+void tell(int process, const std::string& bytes) {
+  loaded().call->send(process, bytes.data(), bytes.size());
 }
-
-class MpiRanks : public Ranks, public std::enable_shared_from_this<MpiRanks> {
- public:
-  MpiRanks(int count, std::string options) : count_(count), options_(std::move(options)) {
-    tell_all(order(Order::Options, 0, options_));
-    need(0, loaded().call->options(options_.c_str()));
-  }
-
-  int count() const override {
-    return count_;
-  }
-
-  std::vector<Index> partition(const std::vector<Index>& start, const std::vector<Index>& neighbors) override {
-    const std::scoped_lock lock(one_at_a_time_);
-    std::vector<Index> part(start.size() - 1, 0);
-    if (count_ > 1 && !part.empty())
-      if (const char* wrong = loaded().call->partition(static_cast<int>(part.size()), start.data(), neighbors.data(),
-                                                       count_, part.data()))
-        throw Error(Fault::Numerics, wrong);
-    return part;
-  }
-
-  std::unique_ptr<PartedSolver> solver(const std::function<std::string(Index)>& part,
-                                       std::vector<Index> owned) override {
-    return std::make_unique<Solver>(shared_from_this(), part, std::move(owned));
-  }
-
- private:
-  void tell_all(const std::string& bytes) const {
-    for (int p = 1; p < count_; ++p) loaded().call->send(p, bytes.data(), bytes.size());
-  }
-
-  class Solver : public PartedSolver {
-   public:
-    Solver(std::shared_ptr<MpiRanks> ranks, const std::function<std::string(Index)>& part, std::vector<Index> owned)
-        : ranks_(std::move(ranks)), owned_(std::move(owned)) {
-      const std::scoped_lock lock(ranks_->one_at_a_time_);
-      name_ = ranks_->next_name_++;
-      const int total = std::reduce(owned_.begin(), owned_.end());
-      for (int p = 1; p < ranks_->count_; ++p) {
-        const std::array<int, 2> sizes{total, owned_[static_cast<std::size_t>(p)]};
-        const std::string head = order(Order::Make, name_, {reinterpret_cast<const char*>(sizes.data()), sizeof sizes});
-        const std::string bytes = together(0, [&] { return part(p); });
-        loaded().call->send(p, head.data(), head.size());
-        loaded().call->send(p, bytes.data(), bytes.size());
-      }
-      share_ = together(0, [&] { return std::make_unique<Share>(part(0), total, owned_[0], 0, ranks_->count_); });
-    }
-    ~Solver() override {
-      const std::scoped_lock lock(ranks_->one_at_a_time_);
-      ranks_->tell_all(order(Order::Drop, name_));
-      share_.reset();
-    }
-
-    Eigen::VectorXd solve(const Eigen::VectorXd& b) override {
-      const std::scoped_lock lock(ranks_->one_at_a_time_);
-      if (b.isZero(0)) return b;
-      ranks_->tell_all(order(Order::Solve, name_));
-      Eigen::VectorXd x(b.size());
-      const std::optional<Error> failed = solved(*share_, 0, b.data(), x.data(), owned_.data());
-      ranks_->check_options();
-      if (failed) throw *failed;
-      return x;
-    }
-    PartedEffort effort() const override {
-      return share_->effort();
-    }
-
-   private:
-    std::shared_ptr<MpiRanks> ranks_;
-    std::vector<Index> owned_;
-    int name_ = 0;
-    std::unique_ptr<Share> share_;
-  };
-
-  /// After the first solve: what nothing has asked for is misspelt, or not for this solver.
-  void check_options() {
-    if (!options_checked_) refuse_unused(options_, "solver.petsc");
-    options_checked_ = true;
-  }
-
-  int count_;
-  std::string options_;
-  bool options_checked_ = false;
-  int next_name_ = 0;
-  std::mutex one_at_a_time_;
-};
-
-/// One process: nothing to start, and its factor is better than any iteration.
-class Alone : public Ranks {
- public:
-  int count() const override {
-    return 1;
-  }
-  std::vector<Index> partition(const std::vector<Index>& start, const std::vector<Index>&) override {
-    return std::vector<Index>(start.size() - 1, 0);
-  }
-  std::unique_ptr<PartedSolver> solver(const std::function<std::string(Index)>&, std::vector<Index>) override {
-    throw std::logic_error("one process has no parts");
-  }
-};
 
 void require_module() {
   const Module& module = loaded();
@@ -586,28 +452,15 @@ void Processes::refuse_unused_options() const {
 void Processes::serve(const std::function<void(std::string_view task, Communicator&)>& with,
                       const std::function<std::optional<std::string>()>& why) {
   const KerfPetsc& call = *loaded().call;
-  std::map<int, std::unique_ptr<Share>> shares;
   const auto next = [&call] {
     std::string bytes(call.wait(), '\0');
     call.receive(bytes.data(), bytes.size());
     return bytes;
   };
   const auto obey = [&] {
-    std::string bytes = next();
+    const std::string bytes = next();
     const auto what = static_cast<Order>(bytes[0]);
-    int name = 0;
-    std::memcpy(&name, bytes.data() + 1, sizeof name);
-    bytes.erase(0, 1 + sizeof name);
-    if (what == Order::Options) {
-      need(rank_, call.options(bytes.c_str()));
-    }
-    if (what == Order::Make) {
-      std::array<int, 2> sizes{};
-      std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
-      shares[name] = std::make_unique<Share>(next(), sizes[0], sizes[1], rank_, count_);
-    }
-    if (what == Order::Solve) solved(*shares.at(name), rank_, nullptr, nullptr, nullptr);  // the first one says so
-    if (what == Order::Drop) shares.erase(name);
+    if (what == Order::Options) need(rank_, call.options(bytes.c_str() + 1));
     if (what == Order::Task) {
       MpiCommunicator comm(rank_, count_);
       with(next(), comm);
@@ -624,18 +477,27 @@ void Processes::serve(const std::function<void(std::string_view task, Communicat
   }
 }
 
-std::shared_ptr<Ranks> Processes::ranks(const std::string& options) {
+void Processes::take_options(const std::string& options) {
   start();
   options_ = options;
-  if (count_ == 1) return std::make_shared<Alone>();
-  return std::make_shared<MpiRanks>(count_, options);
+  if (count_ == 1) return;  // its factor is better than any iteration
+  for (int p = 1; p < count_; ++p) tell(p, order(Order::Options, options));
+  need(0, loaded().call->options(options.c_str()));
+}
+
+std::vector<Index> Processes::partition(const std::vector<Index>& start, const std::vector<Index>& neighbors) const {
+  std::vector<Index> part(start.size() - 1, 0);
+  if (count_ > 1 && !part.empty())
+    if (const char* wrong = loaded().call->partition(static_cast<int>(part.size()), start.data(), neighbors.data(),
+                                                     count_, part.data()))
+      throw Error(Fault::Numerics, wrong);
+  return part;
 }
 
 void Processes::work(const std::string& task, const std::function<void(Communicator&)>& own) {
-  const std::string head = order(Order::Task, 0);
   for (int p = 1; p < count_; ++p) {
-    loaded().call->send(p, head.data(), head.size());
-    loaded().call->send(p, task.data(), task.size());
+    tell(p, order(Order::Task));
+    tell(p, task);
   }
   MpiCommunicator comm(rank_, count_);
   at_work_ = true;
@@ -647,10 +509,7 @@ void Processes::work(const std::string& task, const std::function<void(Communica
 Processes::~Processes() {
   if (rank_ < 0) return;
   if (at_work_ && count_ > 1) loaded().call->abort(static_cast<int>(Fault::Numerics));
-  if (rank_ == 0) {
-    const std::string end = order(Order::End, 0);
-    for (int p = 1; p < count_; ++p) loaded().call->send(p, end.data(), end.size());
-  }
+  for (int p = 1; rank_ == 0 && p < count_; ++p) tell(p, order(Order::End));
   loaded().call->finish();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The processes that mpiexec started. The first one runs the program; the others condense and solve their parts when it
-// asks them to, and hold nothing else.
+// The processes that mpiexec started. The first one runs the program; the others work with it at tasks that it gives
+// them, and hold nothing else.
 
 #include "solver/divided_body.hpp"
 
@@ -43,16 +43,18 @@ class Processes {
   /// for a stop that was asked for.
   void serve(const std::function<void(std::string_view task, Communicator&)>& with = {},
              const std::function<std::optional<std::string>()>& why = {});
-  /// Of the first: with further options of PETSc, as on a command line. Throws Error(Usage) for what is none.
-  std::shared_ptr<Ranks> ranks(const std::string& options);
-  /// Of the first, after `ranks`: all others begin to work at this task, and this one with them. What one process fails
+  /// Of the first: further options of PETSc, as on a command line, for all. Throws Error(Usage) for what is none.
+  void take_options(const std::string& options);
+  /// Of the first: for as many parts as there are processes.
+  std::vector<Index> partition(const std::vector<Index>& start, const std::vector<Index>& neighbors) const;
+  /// Of the first: all others begin to work at this task, and this one with them. What one process fails
   /// in ends all of them.
   void work(const std::string& task, const std::function<void(Communicator&)>& own);
   /// As MPI knows it once it was started, before that as the launcher says.
   int count() const {
     return rank_ < 0 ? started_processes() : count_;
   }
-  /// Whether kerf's BDDC preconditions, and not what options of PETSc ask for; after `ranks`.
+  /// Whether kerf's BDDC preconditions, and not what options of PETSc ask for; after `take_options`.
   bool by_kerf() const;
   /// Where the first process has left work in which the others wait for it: says this, and ends all. Else it returns.
   void end_what_waits(const std::string& words) const;
