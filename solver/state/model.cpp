@@ -5,8 +5,8 @@
 // takes out what is left, and pins fix as many unknowns. The matrix goes to one of these: the Cholesky factor with rows
 // in contact last (C.7); with springs where contact alone holds pieces (C.24); a factor for each set of held rows where
 // there are too many for a dense S (C.31); a factor in single precision with conjugate gradients (E.32); LU where K is
-// indefinite. A part of a divided body has no matrix of its own (E.34). Also here: models under other loads by the same factor,
-// energies and works of a field. Derived in docs/theory/elements.md and docs/theory/contact.md.
+// indefinite. A part of a divided body has no matrix of its own (E.34). Also here: models under other loads by the same
+// factor, energies and works of a field. Derived in docs/theory/elements.md and docs/theory/contact.md.
 
 #include "kerf/model.hpp"
 
