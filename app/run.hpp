@@ -7,7 +7,7 @@
 
 namespace kerf {
 
-enum class Job { Run, Solve, Map, Validate, Optimize };
+enum class Job { Run, Solve, Map, Validate, Optimize, Grow };
 
 /// What the numbers of a result come from, of the body that its state belongs to, for who wants more than files.
 struct RunFields {

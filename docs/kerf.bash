@@ -4,7 +4,7 @@ _kerf() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run solve map check validate optimize sweep report mesh keys init bench --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run solve map check validate grow optimize sweep report mesh keys init bench --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -20,6 +20,7 @@ _kerf() {
     map) options="--help --output --set --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --untrusted --quiet --log-level --force --max-memory --max-seconds" ;;
     validate) options="--help --output --set --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    grow) options="--help --output --set --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --untrusted --collect --quiet" ;;
     report) options="--help --quiet --max-memory --max-seconds" ;;
@@ -151,6 +152,30 @@ validate.radii
 validate.radii.largest
 validate.radii.ratio
 validate.radii.count
+grow.law.kind
+grow.law.K_c
+grow.law.C
+grow.law.m
+grow.law.gamma
+grow.law.threshold
+grow.law.p
+grow.law.q
+grow.law.alpha
+grow.law.flow_ratio
+grow.law.dK_0
+grow.law.a_0
+grow.law.C_plus
+grow.law.C_minus
+grow.criterion
+grow.tips
+grow.cycle.max
+grow.cycle.min
+grow.step
+grow.tolerance
+grow.until.length
+grow.until.cycles
+grow.until.K
+grow.until.steps
 probe[0].name
 probe[0].points
 probe[0].from

@@ -3,6 +3,7 @@
 
 #include "base/whole_file.hpp"
 #include "kerf/bounds.hpp"
+#include "kerf/growth.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"
 #include "kerf/units.hpp"
@@ -21,7 +22,7 @@ namespace kerf {
 
 struct Seconds {
   double mesh = 0, assemble = 0, factor = 0, solve = 0, contact = 0, estimate = 0, energy_bounds = 0, tips = 0,
-         recover = 0, margins = 0, map = 0, bounds = 0, validate = 0, optimize = 0, output = 0, total = 0;
+         recover = 0, margins = 0, map = 0, bounds = 0, validate = 0, grow = 0, optimize = 0, output = 0, total = 0;
 };
 struct TimedPhase {
   const char* name;
@@ -29,7 +30,7 @@ struct TimedPhase {
   bool always;  // in result.json; else where it took any time
 };
 /// All but the total, in the order of tables.
-inline constexpr std::array<TimedPhase, 15> timed_phases{{{"mesh", &Seconds::mesh, true},
+inline constexpr std::array<TimedPhase, 16> timed_phases{{{"mesh", &Seconds::mesh, true},
                                                           {"assemble", &Seconds::assemble, true},
                                                           {"factor", &Seconds::factor, true},
                                                           {"solve", &Seconds::solve, true},
@@ -40,6 +41,7 @@ inline constexpr std::array<TimedPhase, 15> timed_phases{{{"mesh", &Seconds::mes
                                                           {"recover", &Seconds::recover, false},
                                                           {"margins", &Seconds::margins, false},
                                                           {"bounds", &Seconds::bounds, false},
+                                                          {"grow", &Seconds::grow, false},
                                                           {"map", &Seconds::map, true},
                                                           {"validate", &Seconds::validate, true},
                                                           {"optimize", &Seconds::optimize, true},
@@ -239,6 +241,15 @@ struct OptimizeNames {
   std::vector<std::string> variables;
 };
 
+/// Of cracks that grew, beside the state of the body before.
+struct GrowthResult {
+  std::string law, criterion, ended;
+  std::vector<std::string> notes = {};
+  int solves = 0;
+  double step = 0, path_error = nan, cycles_error = nan, energy_balance = nan;  // growth::Grown
+  std::vector<growth::GrowthStep> steps = {};
+};
+
 struct Result {
   std::string version, case_name, title, status = "ok";
   Units units;
@@ -253,6 +264,7 @@ struct Result {
   std::vector<CrackResult> cracks;
   std::vector<StepResult> steps;
   std::optional<BoundsResult> bounds;
+  std::optional<GrowthResult> growth = {};
   std::optional<FunctionalResult> functional;
   std::optional<MapResult> map;
   std::optional<ValidationResult> validate;
@@ -286,6 +298,10 @@ void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bou
 std::vector<double> places_in_history(const std::vector<StepResult>& steps);
 /// steps.csv: step (1.5: half of the second), the names that steps change, energies, lengths, and K of every tip.
 void write_steps_csv(const std::filesystem::path& path, const std::vector<StepResult>& steps);
+
+/// growth.csv: a row per tip and step: step, cycles or load, the tip (crack:end), its place, K of both loads, dK, rate,
+/// and by how much and which way it grows.
+void write_growth_csv(const std::filesystem::path& path, const GrowthResult& growth);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100
 /// columns.

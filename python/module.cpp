@@ -192,6 +192,7 @@ Job job_called(const std::string& word) {
          : word == "map"      ? Job::Map
          : word == "validate" ? Job::Validate
          : word == "optimize" ? Job::Optimize
+         : word == "grow"     ? Job::Grow
                               : Job::Run;
 }
 

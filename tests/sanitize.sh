@@ -9,7 +9,7 @@ set -euo pipefail
 all=(engine program maps designs files)
 describe() {  # describe PART: its rooms, targets and minutes
   case $1 in
-    engine) rooms="geometry solver" targets="test_geometry test_solver" minutes=25 ;;
+    engine) rooms="growth geometry solver" targets="test_growth test_geometry test_solver" minutes=25 ;;
     program) rooms="app tests/fuzz" targets="kerf kerf_vtk_module kerf-fuzz" minutes=22 ;;
     maps) rooms="topo" targets="test_topo" minutes=20 ;;
     designs) rooms="optimize" targets="test_optimize" minutes=15 ;;
@@ -63,7 +63,7 @@ run() {
 # Leaks are looked for in the tests of rooms alone: fontconfig, gmsh and VTK keep what they took until the end. Python itself
 # has no sanitizers: CTest preloads libasan (python/CMakeLists.txt).
 case $part in
-  engine) run 1 test_geometry; run 1 test_solver ;;
+  engine) run 1 test_growth; run 1 test_geometry; run 1 test_solver ;;
   program) by_ctest '^fuzz$' ;;
   maps) run 1 test_topo ;;
   designs) run 1 test_optimize ;;

@@ -71,11 +71,12 @@ struct Command {
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
-      {"run", "Every job that the case names: solve, map, validate, optimize, report"},
+      {"run", "Every job that the case names: solve, map, validate, grow, optimize, report"},
       {"solve", "The state alone: displacement, stress, contact, stress intensities"},
       {"map", "The state and the map of the topological derivative"},
       {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
       {"validate", "The state, and whether a map is right: holes of several radii are made and compared"},
+      {"grow", "The state, and its cracks grown from their tips, quasi-statically or by fatigue"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
       {"sweep", "A case with many values of some of its keys, a table and a page of them all"},
       {"report", "The page of a run, made again from the files in its folder"},
@@ -393,6 +394,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate
                   : arguments.command == "optimize" ? Job::Optimize
+                  : arguments.command == "grow"     ? Job::Grow
                                                     : Job::Run;
   if (arguments.dry_run) {
     watchdog.allow_forecast();

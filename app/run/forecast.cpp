@@ -160,16 +160,18 @@ Forecast forecast(const Case& c, Job job, int threads) {
   Stopwatch watch;
   const Scratch scratch;
   Case plain = c;
+  const bool grows = c.grow && (job == Job::Grow || job == Job::Run);
   const bool optimizes = c.optimize && (job == Job::Optimize || job == Job::Run);
   if (optimizes) plain.element = plain.optimize_element, plain.sizing = problem_of(c).sizing;
   plain.optimize.reset();
+  plain.grow.reset();
   plain.output.margins = false;
   plain.divisions = 0;
   if (c.synthetic)  // any data cost the same
     plain.functional = with_measured(std::move(plain.functional), c.synthetic->label,
                                      [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); });
   plain.synthetic.reset();
-  if (job == Job::Optimize) job = Job::Solve;
+  if (job == Job::Optimize || job == Job::Grow) job = Job::Solve;
   const double uniform = triangles_of_size(c), rough = rough_triangles(c),
                aim = std::clamp(rough / 12, 2000.0, 10000.0);
   const auto coarse = [&](double n) { return coarser(plain, std::max(c.adapt ? 0.0 : 1.0, std::sqrt(uniform / n))); };
@@ -200,7 +202,9 @@ Forecast forecast(const Case& c, Job job, int threads) {
   f.seconds += margins * of_state(s);
   if (c.adapt) f.seconds += 0.6 * of_state(s);  // the rounds before
   if (optimizes) f.seconds += solves_of(*c.optimize) * of_state(s);
-  f.at_most = c.adapt || optimizes;
+  constexpr double states_of_step = 3;
+  if (grows) f.seconds += states_of_step * c.grow->steps * of_state(s);
+  f.at_most = c.adapt || optimizes || grows;
   // What a trial needed beyond its state (a validation: its balls), the run will need, too.
   const auto memory = [&](bool single) {
     const double before = memory_of_state(trial.n, trial, single), state = memory_of_state(f.triangles, trial, single);

@@ -19,6 +19,7 @@
 #include "app/parts/parts.hpp"
 #include "app/parts/task_pool.hpp"
 #include "app/run/bounds.hpp"
+#include "app/run/grow.hpp"
 #include "app/run/history.hpp"
 #include "app/run/load_cases.hpp"
 #include "app/run/map.hpp"
@@ -115,17 +116,19 @@ Picture picture_of(const Case& design, const Mesh& mesh) {
 }
 
 struct Jobs {
-  bool map = false, validate = false, optimize = false;
+  bool map = false, validate = false, optimize = false, grow = false;
 };
 
 Jobs jobs_of(const Case& c, Job job) {
   const Jobs jobs{.map = job == Job::Map || (job == Job::Run && c.map),
                   .validate = job == Job::Validate || (job == Job::Run && c.validate),
-                  .optimize = job == Job::Optimize || (job == Job::Run && c.optimize)};
+                  .optimize = job == Job::Optimize || (job == Job::Run && c.optimize),
+                  .grow = job == Job::Grow || (job == Job::Run && c.grow)};
   if (jobs.validate && !c.validate)
     throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
   if (jobs.optimize && !c.optimize)
     throw Error(Fault::Usage, "the case has no table [optimize]; add it with method and volume");
+  if (jobs.grow && !c.grow) throw Error(Fault::Usage, "the case has no table [grow]; add it with a law");
   return jobs;
 }
 
@@ -134,6 +137,7 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
   if (!c.mesh) return;
   const char* why = jobs.optimize                      ? "optimize"
                     : jobs.validate                    ? "validate"
+                    : jobs.grow                        ? "grow cracks"
                     : jobs.map && c.map_request.bounds ? "bound the map"
                     : c.adapt                          ? "adapt the mesh"
                     : c.synthetic                      ? "make up measurements"
@@ -170,6 +174,7 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
   require_edges_alone(c.element);
   const char* job = jobs.optimize      ? "an optimization"
                     : jobs.validate    ? "a validation"
+                    : jobs.grow        ? "growth of cracks ([grow])"
                     : !c.steps.empty() ? "a history of loads ([[step]])"
                     : c.synthetic      ? "a made up measurement ([synthetic])"
                                        : nullptr;
@@ -184,6 +189,7 @@ void refuse_divided(const Case& c, const Jobs& jobs) {
   if (c.divisions == 0) return;
   const char* job = jobs.optimize                      ? "an optimization"
                     : jobs.validate                    ? "a validation"
+                    : jobs.grow                        ? "growth of cracks ([grow])"
                     : !c.steps.empty()                 ? "a history of loads ([[step]])"
                     : c.synthetic                      ? "a made up measurement ([synthetic])"
                     : jobs.map && c.map_request.bounds ? "error bars of a map (map.bounds)"
@@ -203,6 +209,7 @@ void refuse_jobs(const Case& c, const Jobs& jobs) {
     if (jobs.map) refuse_with_steps(c, "a map ([map])");
     if (jobs.validate) refuse_with_steps(c, "a validation ([validate])");
     if (jobs.optimize) refuse_with_steps(c, "an optimization ([optimize])");
+    if (jobs.grow) refuse_with_steps(c, "growth of cracks ([grow])");
   }
   refuse_remeshing(c, jobs);
   if (jobs.optimize) refuse_optimization(c);
@@ -459,7 +466,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   c.scene = loaded_scene(given);
   std::unique_ptr<Outcome> out;
   try {
-    if (!jobs.optimize || jobs.map || jobs.validate) {
+    if (!jobs.optimize || jobs.map || jobs.validate || jobs.grow) {
       SolvedState solved = solve_state(c, journal, r);
       out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
     }
@@ -472,6 +479,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     const bool sound = !out || certified(out->solved.adapted.state);
     if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
     if (jobs.validate && sound) r.validate = validate_expansion(out->c, body_of(out->c, out->solved.adapted), journal);
+    if (jobs.grow && sound) r.growth = grow_cracks(out->c, adaptation(out->c, journal.options), journal);
     if (jobs.optimize && sound) {
       Case design = optimize_design(given, journal, r);
       if (out) {

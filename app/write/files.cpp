@@ -47,6 +47,8 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
 }
 
 /// With copies of what the data go on to be used for.
+}  // namespace
+
 void write_fields(const Journal& journal, const std::string& name, const Mesh& mesh, const PlotData& data,
                   std::vector<NamedField> fields) {
   const std::size_t bytes = held(data.points, data.corners, fields);
@@ -59,8 +61,6 @@ void write_fields(const Journal& journal, const std::string& name, const Mesh& m
 void write_text(const Journal& journal, const std::string& name, std::string text) {
   journal.later([path = journal.file(name), text = std::move(text)] { write_file(path, text); });
 }
-
-}  // namespace
 
 std::vector<NamedField> map_fields(const Mapped& mapped) {
   const FullMap& map = mapped.full;

@@ -17,6 +17,13 @@ void write_crack_files(const Journal& journal, const std::vector<CrackResult>& c
 /// design.toml, design.svg and design.dxf: what an optimization of the case ended with.
 void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r);
 
+/// A grid with fields at its corners, curved edges as quadratic cells.
+void write_fields(const Journal& journal, const std::string& name, const Mesh& mesh, const PlotData& data,
+                  std::vector<NamedField> fields);
+
+/// A text as a file of the run.
+void write_text(const Journal& journal, const std::string& name, std::string text);
+
 /// bounds.csv; bounds.vtp: the points with lower and upper of each quantity.
 void write_bounds_files(const Journal& journal, const BoundsResult& bounds);
 

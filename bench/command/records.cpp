@@ -473,8 +473,9 @@ void write_limit_csv(const std::filesystem::path& path, const LimitBench& bench)
 void write_limit_json(const std::filesystem::path& path, const LimitBench& bench) {
   const auto memory = [](const LimitRow& r) { return r.memory_mb - r.before_mb; };
   Json out = record("limit", bench.stopped);
-  out["time_grows_like"] = {number(growth(bench, 1, &LimitRow::wall)), number(growth(bench, 2, &LimitRow::wall))};
-  out["memory_grows_like"] = number(growth(bench, 1, memory));
+  out["time_grows_like"] = {number(growth_exponent(bench, 1, &LimitRow::wall)),
+                            number(growth_exponent(bench, 2, &LimitRow::wall))};
+  out["memory_grows_like"] = number(growth_exponent(bench, 1, memory));
   out["rows"] = all_of(bench.rows, limit_section);
   write_record(path, out);
 }

@@ -153,7 +153,7 @@ double LimitRow::processor() const {
   return sum;
 }
 
-double growth(const LimitBench& bench, int threads, const std::function<double(const LimitRow&)>& of) {
+double growth_exponent(const LimitBench& bench, int threads, const std::function<double(const LimitRow&)>& of) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const LimitRow& row : bench.rows) {
     if (row.threads != threads || !(of(row) > 0)) continue;
@@ -216,8 +216,8 @@ std::string summary(const LimitBench& bench) {
       out += fmt::format("{} triangles: two threads take {:.2f} of the time of one\n", bench.rows[i].triangles,
                          bench.rows[i + 1].wall() / bench.rows[i].wall());
   out += fmt::format("growth: time ~ n^{:.2f} (two threads {:.2f}), memory ~ n^{:.2f}\n",
-                     growth(bench, 1, &LimitRow::wall), growth(bench, 2, &LimitRow::wall),
-                     growth(bench, 1, [](const LimitRow& row) { return row.memory_mb - row.before_mb; }));
+                     growth_exponent(bench, 1, &LimitRow::wall), growth_exponent(bench, 2, &LimitRow::wall),
+                     growth_exponent(bench, 1, [](const LimitRow& row) { return row.memory_mb - row.before_mb; }));
   if (bench.stopped) out += "stopped before the end\n";
   return out;
 }

@@ -42,7 +42,7 @@ struct LimitBench {
 };
 
 /// y ~ n^exponent, least squares of the logarithms over the rows with so many threads; NaN for fewer than two.
-double growth(const LimitBench& bench, int threads, const std::function<double(const LimitRow&)>& of);
+double growth_exponent(const LimitBench& bench, int threads, const std::function<double(const LimitRow&)>& of);
 
 /// 10,000, 100,000 and 355,000 triangles, `large`: 1.4 million, too; quick: 1,000 and 2,000. Writes limit.csv,
 /// limit.json and limit.png. Throws Error(Files).

@@ -2,6 +2,7 @@
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
 #include "kerf/bounds.hpp"
+#include "kerf/growth.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/mesh_file.hpp"
 #include "kerf/optimize.hpp"
@@ -139,6 +140,7 @@ struct Case {
   std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;
   std::optional<BoundsRequest> bounds;
+  std::optional<growth::GrowRequest> grow;
   OutputRequest output;
   std::optional<OptimizeRequest> optimize;
   std::optional<FitRequest> fit;

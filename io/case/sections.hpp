@@ -111,6 +111,9 @@ void read_probes(const Value& document, const std::filesystem::path& folder, Cas
 /// [bounds].
 void read_bounds(const Value& document, Case& c);
 
+/// [grow].
+void read_grow(const Value& document, Case& c);
+
 /// The quantity that mesh.adapt refines for, if it names one. After the shape.
 std::optional<GoalRequest> read_goal(const Value& adapt, const Case& c);
 

@@ -4,6 +4,7 @@
 // A step k of n parts stands in the history at (steps before) + k / n.
 
 #include "io/csv.hpp"
+#include "io/result/growth_columns.hpp"
 
 #include "io/files.hpp"
 #include "io/result.hpp"
@@ -109,6 +110,31 @@ void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bou
     const Vec2 at = placed ? m.from : Vec2(nan, nan);
     for (std::size_t i = 0; i < m.quantities.size(); ++i) row(names[i].name, "", "", at, m.quantities[i], &m);
   }
+  write_file(path, {out.data(), out.size()});
+}
+
+void write_growth_csv(const std::filesystem::path& path, const GrowthResult& growth) {
+  fmt::memory_buffer out;
+  fmt::format_to(std::back_inserter(out), "step,cycles,load,tip,x,y");
+  for (const auto& [name, member] : columns_of_tip) fmt::format_to(std::back_inserter(out), ",{}", name);
+  out.push_back('\n');
+  for (const growth::GrowthStep& s : growth.steps)
+    for (const growth::GrownTip& t : s.tips) {
+      fmt::format_to(std::back_inserter(out), "{},", s.number);
+      append_cell(out, s.cycles);
+      out.push_back(',');
+      append_cell(out, s.load);
+      fmt::format_to(std::back_inserter(out), ",{}", csv_text(t.name));
+      for (const double value : {t.at.x(), t.at.y()}) {
+        out.push_back(',');
+        append_cell(out, value);
+      }
+      for (const auto& [name, member] : columns_of_tip) {
+        out.push_back(',');
+        append_cell(out, t.*member);
+      }
+      out.push_back('\n');
+    }
   write_file(path, {out.data(), out.size()});
 }
 

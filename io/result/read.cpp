@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "io/result/bounded_json.hpp"
+#include "io/result/growth_columns.hpp"
 #include "io/result/read_tables.hpp"
 
 namespace kerf {
@@ -434,6 +435,31 @@ StepResult step(const Json& from) {
   return s;
 }
 
+GrowthResult read_growth(const Json& from) {
+  GrowthResult out{.law = text(from, "law"), .criterion = text(from, "criterion"), .ended = text(from, "ended")};
+  out.notes = texts(from, "notes");
+  out.solves = whole(from, "solves");
+  out.step = read_number(from, "step");
+  out.path_error = read_number(from, "path_error");
+  out.cycles_error = read_number(from, "cycles_error");
+  out.energy_balance = read_number(from, "energy_balance");
+  for (const Json& s : list(from, "steps")) {
+    growth::GrowthStep& step = out.steps.emplace_back();
+    step.number = whole(s, "step");
+    step.cycles = read_number(s, "cycles");
+    step.load = read_number(s, "load");
+    step.potential = read_number(s, "potential");
+    step.solves = whole(s, "solves");
+    for (const Json& t : list(s, "tips")) {
+      growth::GrownTip& tip = step.tips.emplace_back();
+      tip.name = text(t, "tip");
+      tip.at = read_place(t.at("at"));
+      for (const auto& [name, member] : columns_of_tip) tip.*member = read_number(t, name);
+    }
+  }
+  return out;
+}
+
 Seconds seconds(const Json& from) {
   Seconds s{.total = read_number(from, "total")};
   for (const TimedPhase& phase : timed_phases)
@@ -473,6 +499,7 @@ Result from_json(const Json& from) {
   for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
   for (const Json& s : list(from, "steps")) r.steps.push_back(step(s));
   if (from.contains("bounds")) r.bounds = bounds(from["bounds"]);
+  if (from.contains("growth")) r.growth = read_growth(from["growth"]);
   if (from.contains("functional")) r.functional = functional(from["functional"]);
   if (from.contains("map")) r.map = map(from["map"]);
   if (from.contains("validate")) {

@@ -7,6 +7,7 @@
 #include "io/result.hpp"
 
 #include "io/files.hpp"
+#include "io/result/growth_columns.hpp"
 #include "io/text.hpp"
 #include "io/validation.hpp"
 
@@ -216,6 +217,34 @@ Json step_section(const StepResult& step) {
           {"slip_length", number(step.slip_length)},
           {"kkt", number(step.kkt)},
           {"tips", std::move(tips)}};
+}
+
+Json growth_section(const GrowthResult& growth) {
+  Json steps = Json::array();
+  for (const growth::GrowthStep& s : growth.steps) {
+    Json tips = Json::array();
+    for (const growth::GrownTip& t : s.tips) {
+      Json tip = {{"tip", t.name}, {"at", place_of(t.at)}};
+      for (const auto& [name, member] : columns_of_tip) tip[name] = number(t.*member);
+      tips.push_back(std::move(tip));
+    }
+    steps.push_back({{"step", s.number},
+                     {"cycles", number(s.cycles)},
+                     {"load", number(s.load)},
+                     {"potential", number(s.potential)},
+                     {"solves", s.solves},
+                     {"tips", std::move(tips)}});
+  }
+  return {{"law", growth.law},
+          {"criterion", growth.criterion},
+          {"ended", growth.ended},
+          {"notes", growth.notes},
+          {"solves", growth.solves},
+          {"step", number(growth.step)},
+          {"path_error", number(growth.path_error)},
+          {"cycles_error", number(growth.cycles_error)},
+          {"energy_balance", number(growth.energy_balance)},
+          {"steps", std::move(steps)}};
 }
 
 Json bounded(const Bounded& b) {
@@ -512,6 +541,7 @@ void write_json(const std::filesystem::path& path, const Result& result, Flush f
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
   for (const StepResult& step : result.steps) out["steps"].push_back(step_section(step));
   if (result.bounds) out["bounds"] = bounds_section(*result.bounds);
+  if (result.growth) out["growth"] = growth_section(*result.growth);
   if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);
   if (result.validate) out["validate"] = validate_section(*result.validate);

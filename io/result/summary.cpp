@@ -320,6 +320,32 @@ void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeN
   for (const std::string& note : o.notes) add_sentence(out, "", "note: " + note);
 }
 
+void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
+  const std::string length = unit(u, dimension::length), K = unit(u, dimension::stress_intensity);
+  const bool fatigue = g.law != "quasi-static";
+  add_sentence(out, "growth",
+               fmt::format("{} by {}: {} step{}, {} states; {}", g.law, g.criterion, g.steps.size(),
+                           g.steps.size() == 1 ? "" : "s", g.solves, clean_text(g.ended)));
+  if (!g.steps.empty()) {
+    const growth::GrowthStep& last = g.steps.back();
+    const auto bar = [](double error) {
+      return std::isfinite(error) ? fmt::format(" +- {:.2g}", error) : std::string();
+    };
+    std::vector<std::string> items{fatigue ? item("cycles", last.cycles) + bar(g.cycles_error)
+                                           : item("load", last.load)};
+    if (std::isfinite(g.path_error)) items.push_back(fmt::format("path{}{}", bar(g.path_error), with_blank(length)));
+    for (const growth::GrownTip& tip : last.tips)
+      items.push_back(fmt::format("{}: a {}{}, {} {}{}", clean_text(tip.name), six(tip.a), with_blank(length),
+                                  fatigue ? "dK" : "K", six(tip.dK), with_blank(K)));
+    add(out, "", items);
+  }
+  if (std::isfinite(g.energy_balance))
+    add_sentence(
+        out, "",
+        fmt::format("G along the paths is the loss of potential energy to {:.2g} %", 100 * std::abs(g.energy_balance)));
+  for (const std::string& note : g.notes) add_sentence(out, "", clean_text(note));
+}
+
 void add_times(std::string& out, const Result& result) {
   const Seconds& s = result.seconds;
   std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
@@ -425,6 +451,7 @@ std::string summary(const Result& result) {
   if (result.functional) add_functional(out, *result.functional, of_functional);
   if (result.map) add_map(out, *result.map, of_map);
   if (result.validate) add_validation(out, *result.validate);
+  if (result.growth) add_growth(out, *result.growth, u);
   if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names, of_functional);
   if (result.fit)
     for (const std::string& line : in_words(*result.fit, result.optimize_names.variables))

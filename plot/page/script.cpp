@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace kerf {
@@ -311,7 +312,7 @@ std::string history_part(const HistoryPart& part, const char* of, const std::vec
 }
 
 /// A step that was refused leaves the values.
-std::string history(const Result& r) {
+std::vector<std::string> history(const Result& r) {
   const auto& rows = r.optimize->history;
   std::vector<double> iteration;
   for (const Iteration& row : rows) iteration.push_back(row.number);
@@ -350,10 +351,10 @@ std::string history(const Result& r) {
   }
   std::vector<std::string> out;
   for (const HistoryPart& part : parts) out.push_back(history_part(part, "iteration", iteration));
-  return json_list(out);
+  return out;
 }
 
-std::string steps(const Result& r) {
+std::vector<std::string> steps(const Result& r) {
   const auto in = [&](const Dimension& of) { return r.units.given() ? " in " + unit(r.units, of) : std::string(); };
   const auto column = [&](double StepResult::*value) {
     std::vector<double> out;
@@ -387,7 +388,31 @@ std::string steps(const Result& r) {
     }
     if (!part.values.empty()) out.push_back(history_part(part, "step", places));
   }
-  return json_list(out);
+  return out;
+}
+
+/// Of every tip that grew, over cycles or steps.
+std::vector<std::string> growth_curves(const Result& r) {
+  const GrowthResult& g = *r.growth;
+  const auto in = [&](const Dimension& of) { return r.units.given() ? " in " + unit(r.units, of) : std::string(); };
+  const bool fatigue = g.law != "quasi-static";
+  HistoryPart lengths{"growth-length", "length" + in(dimension::length), {}, {}, {}, true},
+      intensities{"growth-K", (fatigue ? "dK" : "K") + in(dimension::stress_intensity), {}, {}, {}, true};
+  std::vector<double> places;
+  for (const growth::GrowthStep& s : g.steps) places.push_back(fatigue ? s.cycles : s.number);
+  for (const growth::GrownTip& first : g.steps.front().tips) {
+    lengths.names.push_back(first.name);
+    intensities.names.push_back(first.name);
+    std::vector<double>&a = lengths.values.emplace_back(), &K = intensities.values.emplace_back();
+    for (const growth::GrowthStep& s : g.steps) {
+      const auto tip = std::ranges::find(s.tips, first.name, &growth::GrownTip::name);
+      a.push_back(tip == s.tips.end() ? nan : tip->a);
+      K.push_back(tip == s.tips.end() ? nan : tip->dK);
+    }
+  }
+  if (lengths.values.empty()) return {};
+  const char* of = fatigue ? "cycles" : "step";
+  return {history_part(lengths, of, places), history_part(intensities, of, places)};
 }
 
 std::string design(const Result& r, const NamedArray& shots) {
@@ -414,8 +439,11 @@ std::string data_elements(const Result& r, const PageData& data) {
   head.add("colors", tables.done()).add("fields", fields(r)).add("figures", figures(r, data)).add("mask", mask(r));
   head.add("cracks", cracks(r));
   if (r.validate) head.add("validation", validation(*r.validate));
-  if (r.optimize && r.optimize->history.size() > 1) head.add("history", history(r));
-  if (r.steps.size() > 1) head.add("history", steps(r));
+  std::vector<std::string> curves;
+  if (r.optimize && r.optimize->history.size() > 1) curves = history(r);
+  if (r.steps.size() > 1) curves = steps(r);
+  if (r.growth && r.growth->steps.size() > 1) std::ranges::copy(growth_curves(r), std::back_inserter(curves));
+  if (!curves.empty()) head.add("history", json_list(curves));
   if (const NamedArray* shots = find_array(data.arrays, "design.shots"); shots && r.optimize)
     head.add("design", design(r, *shots));
   std::string out = "<script type=\"application/json\" id=\"kerf-data\">" + head.done() + "</script>\n";

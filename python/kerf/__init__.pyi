@@ -67,6 +67,10 @@ class Case:
         force: bool = ...,
         on_phase: Callable[[str], object] | None = ...,
     ) -> Result: ...
+    def grow(
+        self, folder: str | os.PathLike[str] | None = None, *, threads: int | None = None, force: bool = False,
+        on_phase: Callable[[str], object] | None = None,
+    ) -> Result: ...
     def optimize(
         self,
         folder: str | PathLike[str] | None = ...,

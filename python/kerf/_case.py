@@ -74,6 +74,10 @@ class Case:
         """The expansion against computations with changes of finite size."""
         return self._run("validate", folder, **how)
 
+    def grow(self, folder=None, **how):
+        """The state, and its cracks grown from their tips."""
+        return self._run("grow", folder, **how)
+
     def optimize(self, folder=None, *, on_iteration=None, resume=False, **how):
         """The best design. ``on_iteration`` is called with a dict of numbers after every iteration; what it raises
         ends the optimization. ``resume`` goes on with the checkpoint in the folder."""

@@ -43,9 +43,9 @@ TEST(LimitBench, GrowthIsTheExponent) {
     for (const int threads : {1, 2})
       bench.rows.push_back(
           {.triangles = n, .threads = threads, .phases = {{"a", 1e-6 * std::pow(n, threads == 1 ? 1.5 : 1.25), 0}}});
-  EXPECT_NEAR(growth(bench, 1, &LimitRow::wall), 1.5, 1e-12);
-  EXPECT_NEAR(growth(bench, 2, &LimitRow::wall), 1.25, 1e-12);
-  EXPECT_TRUE(std::isnan(growth(bench, 3, &LimitRow::wall)));
+  EXPECT_NEAR(growth_exponent(bench, 1, &LimitRow::wall), 1.5, 1e-12);
+  EXPECT_NEAR(growth_exponent(bench, 2, &LimitRow::wall), 1.25, 1e-12);
+  EXPECT_TRUE(std::isnan(growth_exponent(bench, 3, &LimitRow::wall)));
 }
 
 TEST_F(LimitBenchTest, WritesWhatThereIsWhenStopped) {

@@ -1,0 +1,92 @@
+// Growth of cracks in a run: the steps are written as they come, so that what is done stays when the next one fails or
+// the run is stopped; the body at the end is a case file of its own, from which growth goes on. docs/theory/growth.md.
+
+#include "app/run/grow.hpp"
+
+#include "app/write/draw.hpp"
+#include "app/write/files.hpp"
+#include "base/stopwatch.hpp"
+#include "growth/rates.hpp"
+#include "io/design.hpp"
+#include "io/files.hpp"
+#include "io/history.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/stop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+std::string in_words(const growth::GrowthStep& s, bool fatigue) {
+  double most = 0, longest = 0;
+  for (const growth::GrownTip& tip : s.tips) most = std::max(most, tip.dK), longest = std::max(longest, tip.a);
+  return fmt::format("grow: step {}, {}, longest crack {:.4g}, {} {:.4g}", s.number,
+                     fatigue ? fmt::format("{:.5g} cycles", s.cycles) : fmt::format("load {:.4g}", s.load), longest,
+                     fatigue ? "dK" : "K", most);
+}
+
+std::string file_of(int step) {
+  return fmt::format("growth_{:04}.vtu", step);
+}
+
+}  // namespace
+
+GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal) {
+  const growth::GrowRequest& request = *c.grow;
+  GrowthResult result{.law = request.law ? growth::name(*request.law) : "quasi-static",
+                      .criterion = std::string(growth::criterion_words[static_cast<std::size_t>(request.criterion)]),
+                      .ended = {}};
+  journal.begin("grow");
+  Stopwatch clock;
+  Adaptation each = how;
+  each.meshed = {};
+  each.given.reset();
+  const auto watch = [&](const growth::GrowthStep& step, const Shape&, const Adapted& body) {
+    if (step.number == 0) result.steps.clear();  // again, with half the step
+    result.steps.push_back(step);
+    journal.later([path = journal.file("growth.csv"), result] { write_growth_csv(path, result); });
+    if (journal.vtk) {
+      const PlotData data = plot_data(body.model, body.state, c.plane_strain);
+      write_fields(journal, file_of(step.number), body.model.mesh, data,
+                   state_fields(body.model, body.state, data, {}));
+    }
+    if (stop_requested()) return false;
+    journal.begin(in_words(step, request.law.has_value()));
+    return true;
+  };
+  growth::Grown grown = growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch);
+  result.ended = std::move(grown.ended);
+  result.notes = std::move(grown.notes);
+  result.solves = grown.solves;
+  result.step = grown.step;
+  result.path_error = grown.path_error;
+  result.cycles_error = grown.cycles_error;
+  result.energy_balance = grown.energy_balance;
+  result.steps = std::move(grown.steps);
+  journal.lap();
+  journal.seconds.grow = clock.lap();
+  journal.begin("write the grown body");
+  if (journal.vtk) {
+    std::vector<std::pair<int, std::string>> files;
+    for (const growth::GrowthStep& s : result.steps) files.emplace_back(s.number, file_of(s.number));
+    journal.later([path = journal.file("growth.pvd"), files = std::move(files)] { write_collection(path, files); });
+  }
+  const DesignFile file{
+      grown.shape,
+      c.scene.laws,
+      c.regions,
+      {fmt::format("The body into which the cracks of \"{}\" have grown: {}.", c.title, result.ended)}};
+  write_text(journal, "grown.toml", design_case(c, file, journal.options.folder));
+  journal.picture("growth.png", [&] {
+    return design_picture(c.title, triangulate(grown.shape, c.sizing), c.scene, {}, extent(grown.shape));
+  });
+  journal.seconds.output += journal.lap();
+  check_stop();
+  return result;
+}
+
+}  // namespace kerf

@@ -1,0 +1,632 @@
+// Growth of cracks, step by step:
+//   state at the loads of a cycle -> K, T at the tips -> which tips grow, and how far (rates, or the tip that needs the
+//   least load) -> the direction: predicted by the kink series [theory: G.1], then found on the grown body itself:
+//   k_2 = 0 at the new tip, a secant step per solve -> the next state.
+// The first piece from a tip that is loaded in shear is straight, at the kink angle; later ones are arcs that leave the
+// crack without a kink, drawn by four chords: the path is C1 and its error of second order in the step. K is linear in
+// the load where faces do not change what they do, so that states at other loads are solved only with gaps, with
+// strains of their own, or where loads change their sign. docs/theory/growth.md.
+
+#include "kerf/growth.hpp"
+
+#include "geometry/plane.hpp"
+#include "growth/kink.hpp"
+#include "growth/life.hpp"
+#include "growth/piece.hpp"
+#include "growth/rates.hpp"
+#include "growth/step.hpp"
+#include "growth/symmetry_search.hpp"
+#include "kerf/fracture.hpp"
+#include "kerf/mesher.hpp"
+#include "kerf/stop.hpp"
+#include "solver/stress.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace kerf::growth {
+
+namespace {
+
+// A piece that turns is drawn by so many chords, as long as the edges at the tip, so that K is taken on rings as wide
+// as the piece (solver/post/crack_tip.cpp sees a smooth curve); behind the next piece every fourth vertex stays.
+constexpr int piece_chords = 12, kept = 4;  // of a piece that turns
+constexpr double largest_turn = 0.26;       // radians: a piece turns by no more, else it begins with a kink
+constexpr double symmetric = 1e-3;          // |k_2| / k_1 at a tip that has grown
+constexpr double tie = 1e-2;                // tips that need the same load, relative
+
+double angle_of(const Vec2& v) {
+  return std::atan2(v.y(), v.x());
+}
+double within_half_turn(double angle) {
+  return std::remainder(angle, 2 * pi);
+}
+
+const Vec2& tip_of(const Shape& shape, const CrackEnd& end) {
+  const auto& points = shape.cracks[static_cast<std::size_t>(end.crack)].points;
+  return end.at_start ? points.front() : points.back();
+}
+/// In which the crack would go on.
+double direction_of(const Shape& shape, const CrackEnd& end) {
+  const auto& p = shape.cracks[static_cast<std::size_t>(end.crack)].points;
+  return end.at_start ? angle_of(p[0] - p[1]) : angle_of(p[p.size() - 1] - p[p.size() - 2]);
+}
+std::string name_of(const Shape& shape, const CrackEnd& end) {
+  return fmt::format("{}:{}", shape.cracks[static_cast<std::size_t>(end.crack)].name, end.at_start ? "start" : "end");
+}
+
+void append(Crack& crack, bool at_start, const std::vector<Vec2>& points) {
+  if (!at_start)
+    crack.points.insert(crack.points.end(), points.begin(), points.end());
+  else
+    crack.points.insert(crack.points.begin(), points.rbegin(), points.rend());
+}
+
+/// Of the `n` points in front of the last `m` at that end every fourth stays.
+void coarsen(Crack& crack, bool at_start, std::size_t m, std::size_t n) {
+  std::vector<Vec2>& p = crack.points;
+  if (at_start) std::ranges::reverse(p);
+  std::vector<Vec2> left(p.begin(), p.end() - static_cast<std::ptrdiff_t>(m + n));
+  for (std::size_t k = 1; k <= n; ++k)
+    if (n < piece_chords || k % kept == 0) left.push_back(p[p.size() - m - n + k - 1]);
+  left.insert(left.end(), p.end() - static_cast<std::ptrdiff_t>(m), p.end());
+  p = std::move(left);
+  if (at_start) std::ranges::reverse(p);
+}
+
+/// What a tip may run into: a straight piece, or one of the chords of an arc.
+struct Obstacle {
+  Vec2 a, b;
+  std::string name;
+  const Arc* arc = nullptr;
+};
+/// `shape` must outlive them.
+std::vector<Obstacle> obstacles(const Shape& shape, const CrackEnd& own) {
+  std::vector<Obstacle> all;
+  const auto add_loop = [&](const Loop& loop, const std::string& name) {
+    constexpr int pieces = 64;  // of an arc
+    for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+      const Side& side = loop.sides[i];
+      if (!side.arc) {
+        all.push_back({side.start, loop.sides[(i + 1) % loop.sides.size()].start, name});
+        continue;
+      }
+      const std::vector<Vec2> p = points_on(*side.arc, pieces);
+      for (int k = 0; k < pieces; ++k)
+        all.push_back({p[static_cast<std::size_t>(k)], p[static_cast<std::size_t>(k) + 1], name, &*side.arc});
+    }
+  };
+  add_loop(shape.outline, "the outline");
+  for (const Loop& hole : shape.holes) add_loop(hole, fmt::format("hole \"{}\"", hole.name));
+  for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
+    const Crack& crack = shape.cracks[c];
+    const auto& p = crack.points;
+    const bool is_own = static_cast<Index>(c) == own.crack;
+    const std::size_t count = p.size() - 1;  // edges
+    for (std::size_t i = 0; i < count; ++i) {
+      // The edges next to the tip are what it grows from.
+      const std::size_t away = own.at_start ? i : count - 1 - i;
+      if (is_own && away < static_cast<std::size_t>(piece_chords + piece_chords / kept)) continue;
+      all.push_back({p[i], p[i + 1], fmt::format("crack \"{}\"", crack.name)});
+    }
+  }
+  return all;
+}
+
+struct Hit {
+  Vec2 at;
+  std::string name;
+  double along = 0;  // of the path up to there, in edges
+};
+/// The first thing that a path from the tip crosses, its last edge drawn longer by `reach`.
+std::optional<Hit> first_hit(const std::vector<Obstacle>& all, const Vec2& tip, std::vector<Vec2> path, double reach) {
+  const Vec2 before = path.size() > 1 ? path[path.size() - 2] : tip;
+  path.back() += reach * (path.back() - before).normalized();
+  Vec2 from = tip;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    std::optional<Hit> nearest;
+    for (const Obstacle& o : all)
+      if (const auto s = crossing(from, path[k], o.a, o.b);
+          s && (!nearest || *s + static_cast<double>(k) < nearest->along)) {
+        const Vec2 at = from + *s * (path[k] - from);
+        nearest = Hit{o.arc ? onto(*o.arc, at) : at, o.name, static_cast<double>(k) + *s};
+      }
+    if (nearest) return nearest;
+    from = path[k];
+  }
+  return std::nullopt;
+}
+
+BoundaryField times(double factor, const BoundaryField& field) {
+  if (!field) return {};
+  return BoundaryField([factor, field](const Vec2& x, const Vec2& n) -> Vec2 { return factor * field(x, n); });
+}
+/// Loads, prescribed displacements and pressures in cracks times a factor; gaps and strains stay.
+Scene with_loads(Scene scene, double factor) {
+  if (factor == 1) return scene;
+  if (scene.body) scene.body = scaled(factor, scene.body);
+  for (Support& s : scene.supports) s.value = times(factor, s.value);
+  for (Traction& t : scene.tractions) t.value = times(factor, t.value);
+  for (CrackLaw& law : scene.laws) law.pressure = times(factor, law.pressure);
+  return scene;
+}
+/// Whether all answers are proportional to the loads, as long as these keep their sign.
+bool is_proportional(const Scene& scene) {
+  return !has_eigenstrain(scene) && std::ranges::none_of(scene.laws, [](const CrackLaw& law) {
+    return has_gap(law) || (is_unilateral(law) && law.slip_bound > 0);
+  });
+}
+
+struct Solved {
+  Adapted body;
+  std::map<CrackEnd, TipIntensity> tips;
+};
+
+class Growing {
+ public:
+  Growing(Shape shape, const Sizing& sizing, const Element& e, const Scene& scene, const GrowRequest& request,
+          const Adaptation& how, const WatchGrowth& watch)
+      : shape_(std::move(shape)),
+        sizing_(sizing),
+        element_(e),
+        scene_(scene),
+        of_(request),
+        how_(how),
+        watch_(watch),
+        proportional_(is_proportional(scene)) {
+    how_.estimate = false;
+    sizing_.size = target_size(sizing_, shape_);
+    of_tips_ = sizing_.crack_tip_size;
+  }
+
+  Grown run() {
+    if (!of_.law && !proportional_)
+      throw Error(
+          Fault::Usage,
+          "[grow]: the load at which a crack grows is found where all is proportional to the loads; gaps, strains "
+          "of the material (heat, swelling) and a slip bound are not: take a law of fatigue, or leave them out");
+    Solved now = solve(shape_, load_of_state());
+    choose_tips(now);
+    while (grown_.ended.empty()) now = step(std::move(now));
+    grown_.shape = shape_;
+    grown_.step = step_;
+    grown_.energy_balance = energy_balance();
+    return std::move(grown_);
+  }
+
+ private:
+  /// Where all is proportional to the loads, the state is that of the loads as they are.
+  double load_of_state() const {
+    return proportional_ ? 1 : of_.max;
+  }
+
+  Solved solve(const Shape& shape, double load) {
+    check_stop();
+    ++grown_.solves;
+    Solved s{.body = solve_graded(shape, sizing_, element_, with_loads(scene_, load), how_), .tips = {}};
+    for (const TipIntensity& t : crack_tips(s.body.model, s.body.state)) s.tips[{t.crack, t.at_start}] = t;
+    return s;
+  }
+
+  void choose_tips(const Solved& now) {
+    for (const auto& [end, tip] : now.tips) {
+      const bool asked = std::ranges::find(of_.tips, end) != of_.tips.end();
+      if (!of_.tips.empty() && !asked) continue;
+      const Crack& crack = shape_.cracks[static_cast<std::size_t>(end.crack)];
+      const bool straight = !crack.arc && crack.points.size() > 1;
+      if (straight && std::isfinite(tip.K_I)) {
+        active_[end] = {.direction = direction_of(shape_, end)};
+        continue;
+      }
+      if (!asked) continue;
+      throw Error(Fault::Usage,
+                  fmt::format("grow.tips: {} cannot grow: {}", name_of(shape_, end),
+                              straight ? "there is no K at this tip, beside which the mesh is too coarse or something "
+                                         "else is too near"
+                                       : "its crack is an arc; draw it as a path of short straight pieces"));
+    }
+    for (const CrackEnd& end : of_.tips)
+      if (!now.tips.contains(end))
+        throw Error(Fault::Usage, fmt::format("grow.tips: {} is no tip: it ends on a boundary or on another crack",
+                                              name_of(shape_, end)));
+    if (active_.empty())
+      throw Error(Fault::Usage,
+                  "[grow]: the body has no tip that can grow; a crack that is given by a path ends inside");
+  }
+
+  double energy_balance() const {
+    const bool known = grown_.notes.empty() && grown_.steps.size() > 2 &&
+                       std::ranges::none_of(scene_.laws, [](const CrackLaw& law) { return has_friction(law); });
+    if (!known) return nan;
+    double released = 0;
+    for (const auto& [end, track] : tracks_) {
+      std::vector<double> x, G;  // where it has grown
+      for (std::size_t i = 0; i < track.x.size(); ++i) {
+        if (!x.empty() && track.x[i] == x.back()) {
+          G.back() = track.G[i];
+          continue;
+        }
+        x.push_back(track.x[i]);
+        G.push_back(track.G[i]);
+      }
+      if (x.size() > 1) released += released_energy(x, G).energy;
+    }
+    const double lost = grown_.steps.front().potential - grown_.steps.back().potential;
+    return lost != 0 ? released / lost - 1 : nan;
+  }
+
+  // What a step begins with: K of the cycle, rates, who grows and how far.
+
+  GrownTip measured(const CrackEnd& end, const Solved& top, const Solved* bottom) const {
+    const TipIntensity& t = top.tips.at(end);
+    const double high = proportional_ && of_.law ? of_.max : 1;
+    GrownTip tip{.end = end,
+                 .name = name_of(shape_, end),
+                 .at = t.at,
+                 .a = path_length(shape_.cracks[static_cast<std::size_t>(end.crack)])};
+    tip.K_I = high * t.K_I, tip.K_II = high * t.K_II, tip.T = high * t.T, tip.G = high * high * t.G;
+    if (!of_.law) return tip;
+    const double low = !proportional_ ? 1 : bottom ? -of_.min : of_.min;
+    const TipIntensity& least = bottom ? bottom->tips.at(end) : t;
+    tip.K_I_min = low * least.K_I, tip.K_II_min = low * least.K_II;
+    return tip;
+  }
+
+  /// The state at the least load of a cycle, where it is not a multiple of the other.
+  std::optional<Solved> least(const Shape& shape) {
+    if (!of_.law) return std::nullopt;
+    if (!proportional_) return solve(shape, of_.min);
+    if (of_.min < 0 && has_contact(scene_)) return solve(shape, -1);
+    return std::nullopt;
+  }
+
+  /// K below which a tip is as good as free of load: of the mean stress of the body, a millionth.
+  double nothing(const GrownTip& tip, const Solved& now) const {
+    const Model& m = now.body.model;
+    const double energy = std::abs(strain_energy(m, now.body.state));
+    return 1e-6 * std::sqrt(2 * m.scene.material.mu * energy / area(m) * pi * tip.a);
+  }
+
+  void load(GrownTip& tip, double nothing) const {
+    const TipLoad top{tip.K_I, tip.K_II, tip.T};
+    if (!of_.law) {
+      tip.dK = opening_direction(top).k.k_1;
+      if (tip.dK <= nothing) tip.dK = 0;
+      return;
+    }
+    const EquivalentCycle cycle = equivalent(Equivalence::Opening, top, {tip.K_I_min, tip.K_II_min, 0});
+    tip.dK = cycle.K_max - cycle.K_min;
+    if (tip.dK <= nothing) tip.dK = 0;
+    tip.rate = tip.dK == 0 ? 0 : growth::rate(*of_.law, cycle.K_max, cycle.K_min, tip.a);
+  }
+
+  /// Sets da of those that grow. False: none does, and why is in `ended`.
+  bool share_out(GrowthStep& s) {
+    std::vector<double> rates;
+    for (const GrownTip& tip : s.tips) rates.push_back(of_.law ? tip.rate : tip.dK);
+    const Advances fastest = growth::advance(rates, scale_ * step_);
+    if (fastest.all_rest || fastest.runs) {
+      grown_.ended = fastest.runs ? "unstable: K reaches the toughness of the law at the largest load"
+                     : of_.law    ? "arrested: the range of K is below the threshold at every tip"
+                                  : "no tip is loaded: K is 0 at all of them";
+      return false;
+    }
+    const double most = *std::ranges::max_element(rates);
+    if (!of_.law) s.load = *of_.toughness / most;
+    for (std::size_t i = 0; i < s.tips.size(); ++i)
+      s.tips[i].da = of_.law ? fastest.lengths[i] : rates[i] >= (1 - tie) * most ? scale_ * step_ : 0;
+    return true;
+  }
+
+  Solved step(Solved now) {
+    GrowthStep s{.number = static_cast<int>(grown_.steps.size())};
+    const int before = grown_.solves;
+    const std::optional<Solved> bottom = least(shape_);
+    for (const auto& [end, unused] : active_) {
+      if (!now.tips.contains(end) || !std::isfinite(now.tips.at(end).K_I)) continue;
+      s.tips.push_back(measured(end, now, bottom ? &*bottom : nullptr));
+      load(s.tips.back(), nothing(s.tips.back(), now));
+    }
+    s.potential = potential_energy(now.body.model, now.body.state);
+    count_cycles(s);
+    if (step_ == 0) choose_step(s);
+    scale_step(s);
+    if (s.tips.empty()) {
+      grown_.ended = "no tip is left inside the body";
+    } else if (share_out(s)) {
+      end_where_asked(s);
+    }
+    std::optional<Solved> next;
+    if (grown_.ended.empty()) next = advance(s, now);
+    s.solves = grown_.solves - before;
+    grown_.steps.push_back(s);
+    if (watch_ && !watch_(s, shape_, now.body) && grown_.ended.empty()) grown_.ended = "stopped as asked";
+    return next ? std::move(*next) : std::move(now);
+  }
+
+  /// Behind a kink the path bends like the root of its length: steps of 1/8, 1/8, 1/4 and 1/2 follow it. The pieces are
+  /// what the rings around the next tip lie in, and have `chords` edges each.
+  void scale_step(const GrowthStep& s) {
+    constexpr double kinked = 0.02, first = 0.125;
+    for (const GrownTip& tip : s.tips) {
+      const Active& there = active_.at(tip.end);
+      if (of_.criterion != Criterion::LocalSymmetry || (of_.law && !(tip.rate > 0))) continue;
+      const double turn = std::abs(direction(of_.criterion, {tip.K_I, tip.K_II, tip.T}).angle);
+      if (turn > (there.grown ? largest_turn / 2 : kinked)) since_kink_ = 0;
+    }
+    scale_ = since_kink_ == 0 ? first : std::min(1.0, first * std::exp2(since_kink_ - 1));
+    ++since_kink_;
+    const double tips = of_tips_ > 0 ? of_tips_ : infinity;
+    sizing_.crack_tip_size = std::min(tips, scale_ * step_ / piece_chords);
+  }
+
+  void choose_step(const GrowthStep& s) {
+    constexpr double of_crack = 0.1, of_body = 0.02;
+    step_ = of_.step > 0 ? of_.step : of_body * extent(shape_);
+    for (const GrownTip& tip : s.tips)
+      if (!(of_.step > 0)) step_ = std::min(step_, of_crack * tip.a);
+  }
+
+  /// The cycles so far: of each step those of the tip that was the fastest, by its rates at all steps as a smooth
+  /// function of its length (growth/life.hpp). Where a tip has ended, its last rate stands.
+  void count_cycles(GrowthStep& s) {
+    for (const GrownTip& tip : s.tips) {
+      Track& track = tracks_[tip.end];
+      if (track.x.empty())
+        track.x.push_back(tip.a / static_cast<double>(ends_of(tip.end.crack)));
+      else
+        track.x.push_back(track.x.back() + track.grows);
+      track.rates.push_back(tip.rate);
+      const double high = proportional_ ? of_.max : 1;
+      track.G.push_back(tip.G / (high * high));
+      track.first = std::min(track.first, s.number);
+    }
+    if (!of_.law) return;
+    double sum = 0, error = 0;
+    for (const GrowthStep& before : grown_.steps) {
+      const GrownTip& fastest = *std::ranges::max_element(before.tips, {}, &GrownTip::da);
+      const Track& track = tracks_.at(fastest.end);
+      const auto at = static_cast<std::size_t>(before.number - track.first);
+      const bool whole = std::ranges::all_of(track.rates, [](double r) { return r > 0 && std::isfinite(r); }) &&
+                         std::ranges::adjacent_find(track.x, std::greater_equal<>()) == track.x.end();
+      if (at + 1 >= track.x.size() || !whole) {
+        sum += fastest.da / fastest.rate;
+        continue;
+      }
+      const Life life = Life::of_rates(track.x, track.rates);
+      sum += life.cycles_at_points()[at + 1] - life.cycles_at_points()[at];
+      error = std::max(error, life.error());  // of all of its steps
+    }
+    s.cycles = sum;
+    if (!grown_.steps.empty()) grown_.cycles_error = error;
+  }
+
+  std::size_t ends_of(Index crack) const {
+    return static_cast<std::size_t>(active_.contains({crack, false})) +
+           static_cast<std::size_t>(active_.contains({crack, true}));
+  }
+
+  void end_where_asked(const GrowthStep& s) {
+    const auto say = [&](std::string why) {
+      if (grown_.ended.empty()) grown_.ended = std::move(why);
+    };
+    for (const GrownTip& tip : s.tips) {
+      const std::string name = shape_.cracks[static_cast<std::size_t>(tip.end.crack)].name;
+      if (tip.a >= of_.length) say(fmt::format("crack \"{}\" is {:.4g} long, as asked", name, tip.a));
+      if (tip.dK * (of_.law ? 1 : s.load) >= of_.K && of_.law)
+        say(fmt::format("the range of K is {:.4g} at {}, as asked", tip.dK, name_of(shape_, tip.end)));
+    }
+    if (s.cycles >= of_.cycles) say(fmt::format("{:.6g} cycles are done, as asked", s.cycles));
+    if (s.number >= of_.steps) say(fmt::format("{} steps are done (grow.until.steps)", s.number));
+  }
+
+  // The direction.
+
+  struct Trial {
+    GrownTip* tip;
+    bool is_arc = false;
+    double turn = 0;                            // of the arc, or of the kink before a straight piece
+    std::optional<SymmetrySearch> search = {};  // none: the turn is known
+    std::optional<Hit> hit = {};
+  };
+
+  std::vector<Vec2> piece_of(const Trial& t) const {
+    const PathTip from{tip_of(shape_, t.tip->end), active_.at(t.tip->end).direction};
+    return t.is_arc ? chords(arc_piece(from, t.turn, t.tip->da), piece_chords)
+                    : chords(straight_piece(from, t.turn, t.tip->da), 1);
+  }
+
+  Trial begin(GrownTip& tip) const {
+    const Active& there = active_.at(tip.end);
+    Trial t{.tip = &tip};
+    t.turn = direction(of_.criterion, {tip.K_I, tip.K_II, tip.T}).angle;
+    if (of_.criterion != Criterion::LocalSymmetry) return t;
+    t.is_arc = there.grown && std::abs(t.turn) < largest_turn / 2;
+    if (t.is_arc) t.turn = std::clamp(there.curvature * tip.da, -largest_turn, largest_turn);
+    // d(k_2/k_1) per radian: what turns the tip, and T along the piece [theory: G.7].
+    const double along = (t.is_arc ? 4.0 / 3 : 2) * std::sqrt(2 / pi * tip.da) * tip.T / std::max(tip.K_I, tip.dK);
+    t.search.emplace(t.turn, SymmetryOptions{.tolerance = symmetric,
+                                             .largest_turn = t.is_arc ? 2 * largest_turn : pi / 2,
+                                             .slope = std::max(0.5 - along, 0.1)});
+    return t;
+  }
+
+  Shape grown_by(const std::vector<Trial>& trials) const {
+    Shape shape = shape_;
+    for (const Trial& t : trials)
+      append(shape.cracks[static_cast<std::size_t>(t.tip->end.crack)], t.tip->end.at_start, path_of(t));
+    return shape;
+  }
+  std::vector<Vec2> path_of(const Trial& t) const {
+    std::vector<Vec2> path = piece_of(t);
+    if (!t.hit) return path;
+    path.resize(static_cast<std::size_t>(t.hit->along));
+    path.push_back(t.hit->at);
+    return path;
+  }
+
+  /// A tip that would come nearer to something than it grows in a step goes on to it.
+  void look_ahead(Trial& t) const {
+    t.hit = first_hit(obstacles(shape_, t.tip->end), tip_of(shape_, t.tip->end), piece_of(t), t.tip->da);
+    if (t.hit && t.hit->along >= static_cast<double>(piece_of(t).size()))
+      t.hit->along = static_cast<double>(piece_of(t).size());
+  }
+
+  Solved advance(GrowthStep& s, const Solved& now) {
+    std::vector<Trial> trials;
+    for (auto& [end, track] : tracks_) track.grows = 0;
+    for (GrownTip& tip : s.tips)
+      if (tip.da > 0) trials.push_back(begin(tip));
+    std::optional<Solved> next;
+    Shape shape;
+    for (bool last = false; !last;) {
+      last = !ask(trials);
+      for (Trial& t : trials) look_ahead(t);
+      shape = grown_by(trials);
+      try {
+        next = solve(shape, load_of_state());
+      } catch (const Error& e) {
+        if (!of_one_body(e) && e.fault != Fault::Usage) throw;
+        shape_ = std::move(shape);
+        grown_.ended = fmt::format("the body that the cracks have grown into cannot be solved: {}", e.what());
+        return Solved(now);
+      }
+      last = last || !answer(trials, *next);
+    }
+    accept(s, trials, std::move(shape));
+    return std::move(*next);
+  }
+
+  /// Gives all pieces the turns that their searches ask for, or the best ones; whether any asks.
+  static bool ask(std::vector<Trial>& trials) {
+    bool any = false;
+    for (Trial& t : trials) {
+      if (!t.search) continue;
+      any = any || t.search->turn();
+      t.turn = t.search->turn() ? *t.search->turn() : t.search->best().turn;
+    }
+    return any;
+  }
+
+  /// Tells the searches K of the body. Whether it is not yet the one to go on from.
+  static bool answer(std::vector<Trial>& trials, const Solved& next) {
+    bool any = false;
+    for (Trial& t : trials) {
+      if (!t.search) continue;
+      const auto found = next.tips.find(t.tip->end);
+      if (t.hit || found == next.tips.end() || !std::isfinite(found->second.K_I)) {
+        t.search.reset();
+        continue;
+      }
+      if (t.search->turn()) t.search->answer({found->second.K_I, found->second.K_II});
+      const SymmetrySearch::Answer& best = t.search->best();
+      t.tip->symmetry = best.k.k_1 > 0 ? std::abs(best.k.k_2) / best.k.k_1 : nan;
+      any = any || t.search->turn() || best.turn != t.turn;
+    }
+    return any;
+  }
+
+  void accept(GrowthStep& s, const std::vector<Trial>& trials, Shape shape) {
+    shape_ = std::move(shape);
+    for (const Trial& t : trials) {
+      Active& there = active_.at(t.tip->end);
+      t.tip->angle = t.turn;
+      there.direction = within_half_turn(there.direction + t.turn);
+      there.grown = true;
+      tracks_[t.tip->end].grows = t.tip->da;
+      there.curvature = t.is_arc ? t.turn / t.tip->da : 0;
+      const std::size_t points = path_of(t).size();
+      coarsen(shape_.cracks[static_cast<std::size_t>(t.tip->end.crack)], t.tip->end.at_start, points, there.points);
+      there.points = points;
+      if (!t.hit) continue;
+      grown_.notes.push_back(fmt::format("{} reaches {} at ({:.6g}, {:.6g}) in step {}", name_of(shape_, t.tip->end),
+                                         t.hit->name, t.hit->at.x(), t.hit->at.y(), s.number));
+      active_.erase(t.tip->end);
+    }
+  }
+
+  struct Active {
+    double direction = 0;  // of the tip
+    double curvature = 0;
+    bool grown = false;
+    std::size_t points = 0;  // of its last piece
+  };
+
+  Shape shape_;
+  Sizing sizing_;
+  const Element& element_;
+  const Scene& scene_;
+  const GrowRequest& of_;
+  Adaptation how_;
+  const WatchGrowth& watch_;
+  bool proportional_;
+  double step_ = 0, scale_ = 1;  // of this step: scale_ step_
+  int since_kink_ = 10;          // steps
+  double of_tips_ = 0;           // Sizing::crack_tip_size as given
+  /// Lengths of a tip at the steps, its own share of the crack and what it has grown by, and rates there.
+  struct Track {
+    std::vector<double> x, rates, G;  // G of the state that was solved
+    double grows = 0;                 // in the present step
+    int first = std::numeric_limits<int>::max();
+  };
+  std::map<CrackEnd, Track> tracks_;
+  std::map<CrackEnd, Active> active_;
+  Grown grown_;
+};
+
+/// How far the tips of one run lie from the paths of the other, up to where the shorter one ends.
+double distance_of_paths(const Grown& fine, const Grown& coarse) {
+  double most = 0;
+  for (const GrowthStep& s : coarse.steps)
+    for (const GrownTip& tip : s.tips) {
+      const std::vector<Vec2>& path = fine.shape.cracks[static_cast<std::size_t>(tip.end.crack)].points;
+      const bool there = std::ranges::any_of(fine.steps, [&](const GrowthStep& other) {
+        return std::ranges::any_of(other.tips, [&](const GrownTip& t) { return t.end == tip.end && t.a >= tip.a; });
+      });
+      if (!there) continue;
+      double least = infinity;
+      for (std::size_t i = 0; i + 1 < path.size(); ++i) least = std::min(least, distance(tip.at, path[i], path[i + 1]));
+      most = std::max(most, least);
+    }
+  return most;
+}
+double grown_length(const Grown& g) {
+  double most = 0;
+  for (const GrownTip& tip : g.steps.back().tips)
+    for (const GrownTip& first : g.steps.front().tips)
+      if (first.end == tip.end) most = std::max(most, tip.a - first.a);
+  return most;
+}
+
+}  // namespace
+
+Grown grow(Shape shape, const Sizing& sizing, const Element& e, const Scene& scene, const GrowRequest& request,
+           const Adaptation& how, const WatchGrowth& watch) {
+  Grown run = Growing(shape, sizing, e, scene, request, how, watch).run();
+  if (!(request.tolerance > 0)) return run;
+  constexpr int most_runs = 3;
+  GrowRequest finer = request;
+  for (int k = 1; k < most_runs && run.step > 0 && run.steps.size() > 1; ++k) {
+    finer.step = 0.5 * run.step;
+    finer.steps = 2 * finer.steps;
+    Grown next = Growing(shape, sizing, e, scene, finer, how, watch).run();
+    next.solves += run.solves;
+    next.path_error = distance_of_paths(next, run);
+    const double N = next.steps.back().cycles, off = std::abs(N - run.steps.back().cycles);
+    if (request.law) next.cycles_error = std::max(off, next.cycles_error);
+    run = std::move(next);
+    const bool path = run.path_error <= request.tolerance * grown_length(run),
+               life = !request.law || off <= request.tolerance * N;
+    if (path && life) return run;
+    if (run.ended == "stopped as asked") return run;
+  }
+  run.notes.push_back(
+      fmt::format("the tolerance of {:.3g} is not reached with a step of {:.3g}", request.tolerance, run.step));
+  return run;
+}
+
+}  // namespace kerf::growth

@@ -1,0 +1,105 @@
+// [grow]: the law of growth, the tips that grow, the loads of a cycle, and where growth ends.
+
+#include "growth/rates.hpp"
+#include "io/case/sections.hpp"
+#include "io/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace kerf {
+
+namespace {
+
+growth::GrowthLaw fatigue_law(const Value& law, const std::string& kind) {
+  growth::GrowthLaw of;
+  const double C = in_range(need(law, "C")), m = in_range(need(law, "m"));
+  if (kind == "paris") of.form = growth::Paris{C, m};
+  if (kind == "forman") of.form = growth::Forman{C, m};
+  if (kind == "walker") {
+    growth::Walker walker{C, m};
+    take(law, "gamma", walker.gamma);
+    of.form = walker;
+  }
+  if (kind == "nasgro") {
+    growth::Nasgro nasgro{.C = C, .m = m};
+    take(law, "p", nasgro.p);
+    take(law, "q", nasgro.q);
+    take(law, "alpha", nasgro.alpha);
+    take(law, "flow_ratio", nasgro.flow_ratio);
+    take(law, "dK_0", nasgro.dK_0);
+    take(law, "a_0", nasgro.a_0);
+    take(law, "C_plus", nasgro.C_plus);
+    take(law, "C_minus", nasgro.C_minus);
+    of.form = nasgro;
+  }
+  take(law, "threshold", of.threshold);
+  take(law, "K_c", of.K_c);
+  try {
+    growth::check(of);
+  } catch (const Error& e) {
+    fail(law.node->position, fmt::format("{}: {}", law.name, e.what()));
+  }
+  return of;
+}
+
+void read_law(const Value& law, growth::GrowRequest& to) {
+  const std::string kind = choice(need(law, "kind"));
+  allow_only(law, kind);
+  if (kind == "quasi-static")
+    to.toughness = in_range(need(law, "K_c"));
+  else
+    to.law = fatigue_law(law, kind);
+}
+
+growth::CrackEnd read_end(const Value& item, const Case& c) {
+  const std::string word = text(item);
+  const std::size_t colon = word.rfind(':');
+  const std::string name = word.substr(0, colon), end = colon == std::string::npos ? "" : word.substr(colon + 1);
+  std::vector<std::string> known;
+  for (const Crack& crack : c.shape.cracks) known.push_back(crack.name);
+  const auto crack = std::ranges::find(known, name);
+  if (crack == known.end())
+    fail(item.node->position, fmt::format("{}: there is no crack {}; {}", item.name, quote(name),
+                                          known.empty() ? "the body has none" : suggest(name, known)));
+  if (end != "start" && end != "end")
+    fail(item.node->position, fmt::format("{}: {} is no end of a crack; write \"{}:start\" or \"{}:end\"", item.name,
+                                          quote(word), name, name));
+  return {static_cast<Index>(crack - known.begin()), end == "start"};
+}
+
+}  // namespace
+
+void read_grow(const Value& document, Case& c) {
+  const auto table = find_table(document, "grow");
+  if (!table) return;
+  allow_only(*table);
+  growth::GrowRequest& to = c.grow.emplace();
+  read_law(need(*table, "law"), to);
+  take(*table, "criterion", to.criterion);
+  if (const auto tips = find(*table, "tips"))
+    for (const Value& item : items(*tips, 1)) to.tips.push_back(read_end(item, c));
+  if (const auto cycle = find(*table, "cycle")) {
+    allow_only(*cycle);
+    if (to.toughness)
+      fail(cycle->node->position, cycle->name + " goes with a law of fatigue, not with \"quasi-static\"");
+    take(*cycle, "max", to.max);
+    take(*cycle, "min", to.min);
+    if (!(to.min < to.max)) fail(cycle->node->position, cycle->name + ": min must be below max");
+  }
+  take(*table, "step", to.step);
+  take(*table, "tolerance", to.tolerance);
+  if (const auto until = find(*table, "until")) {
+    allow_only(*until);
+    take(*until, "length", to.length);
+    take(*until, "K", to.K);
+    take(*until, "steps", to.steps);
+    if (const auto cycles = find(*until, "cycles")) {
+      if (to.toughness) fail(cycles->node->position, cycles->name + " goes with a law of fatigue");
+      to.cycles = in_range(*cycles);
+    }
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,178 @@
+// Bodies whose cracks grow. Truths from outside: the series of the kink, symmetry, the limit of paths of straight
+// pieces, and a life by a formula of K.
+
+#include "geometry/plane.hpp"
+#include "growth/kink.hpp"
+#include "growth/life.hpp"
+#include "kerf/growth.hpp"
+#include "kerf/mesher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace kerf::grow_test {
+namespace {
+
+using namespace growth;
+
+const auto fixed = [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); };
+
+struct Body {
+  Shape shape;
+  Scene scene;
+  Sizing sizing;
+};
+
+/// A rectangle about the origin on rollers, pulled at its top.
+Body plate(double width, double height, Crack crack, double pull, CrackLaw law = {.kind = CrackLaw::Kind::Open}) {
+  Body b;
+  const double w = width / 2, h = height / 2;
+  b.shape.outline = polygon("outline", {{-w, -h}, {w, -h}, {w, h}, {-w, h}}, 0);
+  b.shape.labels = {"bottom", "right", "top", "left"};
+  for (Index side = 0; side < 4; ++side) b.shape.outline.sides[static_cast<std::size_t>(side)].label = side;
+  b.shape.cracks = {std::move(crack)};
+  b.scene.material = plane_strain(1000, 0.3);
+  b.scene.supports = {{0, false, false, true, fixed}};
+  b.scene.tractions = {{2, [pull](const Vec2&, const Vec2&) { return Vec2(0, pull); }}};
+  b.scene.laws = {law};
+  b.sizing = {.size = height / 12};
+  return b;
+}
+
+Grown grown(const Body& b, const GrowRequest& request, const WatchGrowth& watch = {}) {
+  return grow(b.shape, b.sizing, bdms(2), b.scene, request, {}, watch);
+}
+
+const GrowthLaw paris{.form = Paris{1e-11, 3}};
+
+// Of a strip with a crack in its middle, by Tada's formula of K, 0.1 % (Tada, Paris, Irwin 1973, section 2.1).
+TEST(Grow, TheLifeOfACentreCrack) {
+  const Body b = plate(10, 24, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 100);
+  const Grown g = grown(b, {.law = paris, .step = 0.25, .length = 5});
+  EXPECT_NE(g.ended.find("as asked"), std::string::npos) << g.ended;
+  const GrowthStep& last = g.steps.back();
+  ASSERT_EQ(last.tips.size(), 2u);
+  const double from = 0.5, to = 0.5 * last.tips[0].a;
+  std::vector<PathPoint> path;
+  for (int i = 0; i <= 40; ++i) {
+    const double a = from * std::pow(to / from, i / 40.0), x = a / 10;
+    path.push_back({a, 100 * std::sqrt(pi * a / std::cos(pi * x)) * (1 - 0.1 * x * x + 0.96 * std::pow(x, 4)), 0});
+  }
+  const double N = Life(paris, path).cycles();
+  EXPECT_NEAR(last.cycles, N, 0.012 * N);
+  EXPECT_LT(g.cycles_error, 0.02 * N);
+  EXPECT_LT(std::abs(g.energy_balance), 2e-3);
+  for (const GrowthStep& s : g.steps)
+    for (const GrownTip& tip : s.tips) EXPECT_LT(std::abs(tip.at.y()), 2e-3);  // straight on
+  EXPECT_NEAR(last.tips[0].a, 2 * std::abs(last.tips[0].at.x()), 2e-3);
+}
+
+// A small kink of the body is that of the series [Amestoy, Leblond 1992], whatever the angle.
+TEST(Grow, TheFirstPieceIsTheKinkOfTheSeries) {
+  std::mt19937 bits(7);
+  for (int k = 0; k < 3; ++k) {
+    const double angle = 0.3 + 0.9 * (bits() / 4294967296.0);
+    const Vec2 along(std::cos(angle), std::sin(angle));
+    const Body b = plate(20, 20, {"c", {-along, along}, {}}, 1);
+    const Grown g = grown(b, {.law = paris, .tips = {{0, false}}, .step = 0.16, .steps = 1});
+    ASSERT_EQ(g.steps.size(), 2u) << g.ended;
+    const GrownTip& tip = g.steps[0].tips.at(0);
+    const Direction series = symmetric_direction({tip.K_I, tip.K_II, tip.T}, tip.da);
+    EXPECT_NEAR(tip.angle, series.angle, 0.012) << angle;
+    EXPECT_LE(tip.symmetry, 1e-3);
+    EXPECT_NEAR(tip.da, 0.02, 1e-12);  // an eighth of the step, behind a kink
+    EXPECT_EQ(g.steps[1].tips.size(), 1u);
+  }
+}
+
+// Faces in contact and with friction: wings open by the series of the kink and turn into the direction of the load,
+// both the same; K falls, so that the load must rise.
+TEST(Grow, WingsOfAClosedCrack) {
+  const double c = std::sqrt(0.5);
+  const Body b = plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {.friction = 0.3});
+  const Grown g = grown(b, {.toughness = 1, .step = 0.2, .steps = 7});
+  ASSERT_EQ(g.steps.size(), 8u) << g.ended;
+  EXPECT_EQ(g.steps[0].tips[0].K_I, 0);
+  EXPECT_NEAR(g.steps[0].tips[0].angle, 77.33 * pi / 180, 0.01);  // of pure shear
+  for (const GrowthStep& s : g.steps) {
+    ASSERT_EQ(s.tips.size(), 2u);
+    const GrownTip &end = s.tips[0], &start = s.tips[1];
+    EXPECT_LT((end.at + start.at).norm(), 4e-3);
+    if (s.number > 0) {
+      EXPECT_GT(s.load, g.steps[static_cast<std::size_t>(s.number) - 1].load);
+      EXPECT_LE(std::abs(end.K_II), 1.1e-3 * end.K_I);
+      EXPECT_LE(std::abs(start.K_II), 1.1e-3 * start.K_I);
+    }
+  }
+  const auto& path = g.shape.cracks[0].points;
+  const Vec2 at_end = path.back() - path[path.size() - 2];
+  EXPECT_LT(std::atan2(std::abs(at_end.x()), at_end.y()), 0.3);  // the load acts along y
+}
+
+// Two cracks and two holes [Bouchard, Bay, Chastel 2003]: images of each other. The place is the limit of paths of
+// straight pieces: (-1.5814, -1.5386 with half the step) -> -1.496 at x = -5.524, (.0676, .1464) -> .225 at 4.824.
+TEST(Grow, TwoCracksAndTwoHoles) {
+  Body b;
+  b.shape.outline = polygon("outline", {{-10, -5}, {10, -5}, {10, 5}, {-10, 5}}, 0);
+  b.shape.labels = {"bottom", "right", "top", "left"};
+  for (Index side = 0; side < 4; ++side) b.shape.outline.sides[static_cast<std::size_t>(side)].label = side;
+  b.shape.holes = {circle("lower", {-7, 2}, 2, none), circle("upper", {7, -2}, 2, none)};
+  b.shape.cracks = {{"a", {{-10, -2.15}, {-9, -2.15}}, {}}, {"b", {{10, 2.15}, {9, 2.15}}, {}}};
+  b.scene.material = plane_strain(98000, 0.3);
+  b.scene.supports = {{0, false, true, true, [](const Vec2&, const Vec2&) { return Vec2(0, -0.1); }},
+                      {2, false, true, true, [](const Vec2&, const Vec2&) { return Vec2(0, 0.1); }}};
+  b.scene.laws.assign(2, CrackLaw{.kind = CrackLaw::Kind::Open});
+  b.sizing = {.size = 0.5};
+  const Grown g = grown(b, {.law = paris, .step = 0.7175});
+  ASSERT_EQ(g.notes.size(), 2u) << g.ended;
+  EXPECT_NE(g.notes[0].find("a:end reaches hole \"upper\""), std::string::npos) << g.notes[0];
+  EXPECT_NE(g.notes[1].find("b:end reaches hole \"lower\""), std::string::npos) << g.notes[1];
+  EXPECT_EQ(g.ended, "no tip is left inside the body");
+  const auto height = [&](double x) {
+    const auto& p = g.shape.cracks[0].points;
+    for (std::size_t i = 0; i + 1 < p.size(); ++i)
+      if (p[i].x() <= x && x < p[i + 1].x())
+        return p[i].y() + (x - p[i].x()) / (p[i + 1].x() - p[i].x()) * (p[i + 1].y() - p[i].y());
+    return nan;
+  };
+  EXPECT_NEAR(height(-5.524), -1.496, 0.025);
+  EXPECT_NEAR(height(4.824), 0.225, 0.025);
+  for (const Vec2& p : g.shape.cracks[0].points) {
+    double least = infinity;
+    const auto& other = g.shape.cracks[1].points;
+    for (std::size_t i = 0; i + 1 < other.size(); ++i) least = std::min(least, distance(-p, other[i], other[i + 1]));
+    EXPECT_LT(least, 6e-3) << p.transpose();
+  }
+}
+
+TEST(Grow, SaysWhyItEnds) {
+  const Body b = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1);
+  EXPECT_EQ(grown(b, {.law = GrowthLaw{.form = Paris{1e-11, 3}, .threshold = 100}}).ended,
+            "arrested: the range of K is below the threshold at every tip");
+  EXPECT_EQ(grown(b, {.law = GrowthLaw{.form = Paris{1e-11, 3}, .K_c = 0.1}}).ended,
+            "unstable: K reaches the toughness of the law at the largest load");
+  EXPECT_NE(grown(b, {.law = paris, .step = 0.2, .cycles = 1}).ended.find("cycles are done, as asked"),
+            std::string::npos);
+  const Body closed = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, -1, {});
+  EXPECT_EQ(grown(closed, {.toughness = 1.0}).ended, "no tip is loaded: K is 0 at all of them");
+  const Body through = plate(8, 8, {"c", {{-4, 0}, {-3, 0}}, {}}, 1);
+  EXPECT_THROW(grown(through, {.law = paris, .tips = {{0, true}}}), Error);  // it ends on the outline
+}
+
+// With contact the least load of a cycle closes the crack: K there is 0, whatever its sign.
+TEST(Grow, ClosureIsComputed) {
+  const Body open = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1),
+             touching = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1, {});
+  const GrowRequest reversed{.law = paris, .min = -0.5, .step = 0.2, .steps = 1};
+  const GrownTip free = grown(open, reversed).steps[0].tips[0], closed = grown(touching, reversed).steps[0].tips[0];
+  EXPECT_NEAR(closed.K_I, free.K_I, 1e-3 * free.K_I);
+  EXPECT_NEAR(free.K_I_min, -0.5 * free.K_I, 1e-12);
+  EXPECT_NEAR(closed.K_I_min, 0, 1e-6);
+  EXPECT_NEAR(closed.dK, closed.K_I, 1e-3 * closed.K_I);
+}
+
+}  // namespace
+}  // namespace kerf::grow_test
