@@ -48,7 +48,8 @@ Grown grown(const Body& b, const GrowRequest& request, const WatchGrowth& watch 
 
 const GrowthLaw paris{.form = Paris{1e-11, 3}};
 
-// Of a strip with a crack in its middle, by Tada's formula of K, 0.1 % (Tada, Paris, Irwin 1973, section 2.1).
+// Of a strip with a crack in its middle, by Tada's formula of K, 0.1 % (handbook of H. Tada, P. C. Paris and G. R.
+// Irwin, section 2.1).
 TEST(Grow, TheLifeOfACentreCrack) {
   const Body b = plate(10, 24, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 100);
   const Grown g = grown(b, {.law = paris, .step = 0.25, .length = 5});
