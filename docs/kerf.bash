@@ -241,6 +241,7 @@ optimize.symmetry.y
 optimize.symmetry.point
 optimize.symmetry.direction
 optimize.min_feature
+optimize.min_gap
 optimize.min_radius
 optimize.start.holes
 optimize.start.random

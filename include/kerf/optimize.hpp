@@ -71,7 +71,8 @@ struct LevelSetRequest {
   enum class Move { ShapeGradient, FixedPoint } move = Move::ShapeGradient;
   enum class Product { H1, Elasticity } product = Product::H1;
   double smoothing = 0;    // length of the inner product that regularizes velocities; 0: chosen from the mesh size
-  double min_feature = 0;  // members and gaps thinner than this are not wanted; 0: none
+  double min_feature = 0;  // members thinner than this are not wanted; 0: none
+  double min_gap = 0;      // nor gaps; 0: the same
   double min_radius = 0;   // of arcs of the finished design; 0: any that meshes can tell
   int nucleate_every = 5;  // 0: never
   double nucleate_fraction = 0.02;
@@ -126,6 +127,18 @@ inline constexpr std::array<std::string_view, 4> ending_words{"optimal", "stalle
 constexpr std::string_view word(Ending ending) {
   return ending_words[static_cast<std::size_t>(ending)];
 }
+
+/// What was asked of a design, and what it has as it is drawn. `name`: "volume", "frozen NAME", "min_feature",
+/// "min_gap", "symmetry", or that of a bound. `asked`, `got`: shares of the area, lengths (of frozen regions and
+/// symmetry 0, and what is missing), values of bounded functionals.
+struct KeptConstraint {
+  enum class Kind { Volume, Bound, Frozen, Width, Mirror } kind = Kind::Volume;
+  std::string name;
+  double asked = 0, got = nan;
+  bool kept = true;
+  std::optional<Vec2> at = {};  // where it is kept worst
+  std::string note = {};        // in words, where it is not kept
+};
 
 /// The design at the end, solved again on a mesh of half the size, with one degree more where the element has it.
 struct FinerDesign {
@@ -200,6 +213,7 @@ struct OptimizeResult {
   Ending ending = Ending::Stalled;
   std::string stopped;  // the word of the ending, and why
   FinerDesign finer;
+  std::vector<KeptConstraint> constraints;
   HoleMargin holes;  // level set
   BumpMargin bumps;  // level set
   std::vector<std::string> notes;

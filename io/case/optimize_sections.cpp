@@ -145,6 +145,7 @@ void read_level_set(const Value& table, const std::filesystem::path& folder, std
   take(table, "inner_product", r.product);
   if (const auto field = find(table, "smoothing")) r.smoothing = length(*field, size);
   if (const auto field = find(table, "min_feature")) r.min_feature = length(*field, size);
+  if (const auto field = find(table, "min_gap")) r.min_gap = length(*field, size);
   if (const auto field = find(table, "symmetry")) r.mirror = read_mirror(*field, c);
   if (const auto field = find(table, "min_radius")) r.min_radius = length(*field, size);
   if (const auto field = find(table, "start")) {

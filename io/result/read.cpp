@@ -373,6 +373,14 @@ NucleatedHole nucleated_hole(const Json& from) {
   return h;
 }
 
+KeptConstraint kept_constraint(const Json& from) {
+  KeptConstraint c{.name = text(from, "name"), .asked = read_number(from, "asked"), .got = read_number(from, "got")};
+  c.kept = from.value("kept", false);
+  if (from.contains("at")) c.at = read_place(from["at"]);
+  c.note = text(from, "note");
+  return c;
+}
+
 void read_optimize(const Json& from, Result& r) {
   OptimizeResult o;
   o.method = from_word<OptimizeMethod>(optimize_method_words, text(from, "method"));
@@ -384,6 +392,7 @@ void read_optimize(const Json& from, Result& r) {
   o.stopped = text(from, "stopped");
   o.ending = from_word<Ending>(ending_words, text(from, "ending"));
   o.optimality = read_number(from, "optimality");
+  for (const Json& c : list(from, "constraints")) o.constraints.push_back(kept_constraint(c));
   if (from.contains("hole_margin")) {
     const Json& holes = from["hole_margin"];
     o.holes.least = read_number(holes, "least");

@@ -469,6 +469,17 @@ Json finer_section(const FinerDesign& finer, const OptimizeNames& names) {
   return out;
 }
 
+Json constraints_section(const std::vector<KeptConstraint>& all) {
+  Json out = Json::array();
+  for (const KeptConstraint& c : all) {
+    Json row = {{"name", c.name}, {"asked", number(c.asked)}, {"got", number(c.got)}, {"kept", c.kept}};
+    if (c.at) row["at"] = place_of(*c.at);
+    if (!c.note.empty()) row["note"] = c.note;
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
 Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
   Json out = {{"method", word(o.method)},
               {"iterations", o.iterations},
@@ -481,6 +492,7 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
               {"converged", o.ending == Ending::Optimal},
               {"optimality", number(o.optimality)}};
   if (names.volume_at_most) out["volume_at_most"] = number(*names.volume_at_most);
+  if (!o.constraints.empty()) out["constraints"] = constraints_section(o.constraints);
   if (std::isfinite(o.holes.least)) {
     out["hole_margin"] = {{"least", number(o.holes.least)}, {"at", place_of(o.holes.at)}};
     if (o.holes.proof) out["hole_margin"]["proof"] = word(*o.holes.proof);

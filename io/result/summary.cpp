@@ -310,6 +310,8 @@ void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeN
   if (!o.history.empty())
     for (std::size_t i = 0; i < std::min(names.bounds.size(), o.history.back().bounds.size()); ++i)
       add(out, "", {item(clean_text(names.bounds[i]), o.history.back().bounds[i]), item("at most", names.at_most[i])});
+  for (const KeptConstraint& c : o.constraints)
+    add(out, "", {item(clean_text(c.name), c.got), item("asked", c.asked), c.kept ? "kept" : "not kept"});
   items.clear();
   constexpr std::size_t shown = 30;
   const std::size_t count = std::min(names.variables.size(), static_cast<std::size_t>(o.variables.size()));

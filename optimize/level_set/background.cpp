@@ -126,11 +126,6 @@ Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& x) {
 
 }  // namespace
 
-Vec2 image_of(const Mirror& mirror, const Vec2& x) {
-  const Vec2 along = mirror.direction.normalized(), d = x - mirror.point;
-  return mirror.point + 2 * along.dot(d) * along - d;
-}
-
 // Neighbors of the vertices in one list, as the rows of a sparse matrix. The rim are edges of the frame that may
 // recede: neither supports nor what bears loads.
 BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optional<Mirror>& mirror) {

@@ -4,6 +4,7 @@
 
 #include "geometry/carve.hpp"
 #include "kerf/optimize.hpp"
+#include "optimize/constraints/mirrored.hpp"
 #include "optimize/level_set/start.hpp"
 
 namespace kerf {
@@ -43,9 +44,6 @@ Eigen::VectorXd signed_distance(const BackgroundMesh& b, const Eigen::VectorXd& 
 
 /// A function that is linear on triangles, at a point; where the point lies outside, continued from the nearest one.
 double value_at(const BackgroundMesh& b, const Eigen::VectorXd& f, const Vec2& x);
-
-/// The mirror image of a point.
-Vec2 image_of(const Mirror& mirror, const Vec2& x);
 
 /// phi with what must stay solid or void made so, mirrored where asked.
 Eigen::VectorXd constrained(const BackgroundMesh& b, Eigen::VectorXd phi);

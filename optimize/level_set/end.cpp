@@ -72,7 +72,7 @@ void weigh_residual(double finer, LoopEnd& end) {
 // holes and bumps.
 LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, OptimizeResult& result) {
   const DescentState& s = end.descent.progress();
-  LoopEnd out{.row = last_taken(result.history), .kind = "shape residual"};
+  LoopEnd out{.row = last_taken(result.history), .kind = "shape residual", .frame = &end.g.p.frame};
   out.asked = end.last ? of_curves : elsewhere;
   if (go_on && (end.last || !end.g.turns())) out.residual = end.last ? end.curves.residual : end.descent.residual();
   // What the level set ended with is no longer true of its curves.

@@ -10,6 +10,7 @@
 
 #include "geometry/curved.hpp"
 #include "kerf/folded.hpp"
+#include "optimize/constraints.hpp"
 #include "optimize/loop/history_text.hpp"
 #include "optimize/loop/intervals.hpp"
 #include "solver/error_bars.hpp"
@@ -181,18 +182,38 @@ const Iteration& last_taken(std::span<const Iteration> rows) {
 }
 
 // Infeasible before all else; optimal only with a finer design that could be solved; else why the loop ended.
+namespace {
+
+/// A start that violates a constraint may have a J that no design has which keeps it.
+std::string above_start(const OptimizeResult& result, const OptimizeRequest& r, const Iteration& row) {
+  if (result.history.empty()) return {};
+  const Iteration& first = result.history.front();
+  const std::string wrong = violated(r, first.bounds, first.volume_fraction);
+  if (wrong.empty() || !(row.merit > first.merit)) return {};
+  return fmt::format("J is above that of the start, {:.6g}, which violates its constraints ({})", first.objective,
+                     wrong);
+}
+
+}  // namespace
+
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end) {
   const Iteration& row = end.row;
   const FinerDesign& finer = result.finer;
+  const std::vector<double> judged = finer.failure.empty() && !finer.bounds.empty() ? judged_by(finer) : row.bounds;
+  result.constraints = constraints_of(
+      {.shape = result.shape, .frame = end.frame, .volume_fraction = row.volume_fraction, .bounds = judged}, r);
+  const std::string conflict = conflicts(result.constraints, false);
   const std::string here = violated(r, row.bounds, row.volume_fraction),
                     there = finer.failure.empty() ? violated_there(r, finer) : "";
   const std::string residual = std::isfinite(end.residual) ? fmt::format("{} {:.2g}", end.kind, end.residual) : "";
-  result.feasible = here.empty() && there.empty() && !(row.violation > end.allowed);
+  result.feasible = here.empty() && there.empty() && !(row.violation > end.allowed) &&
+                    std::ranges::none_of(result.constraints, is_broken);
   std::vector<std::string> words;
   if (!result.feasible) {
     result.ending = Ending::Infeasible;
-    words = {here, here.empty() && !there.empty() ? there + " " + in_words(finer) : "", end.why};
-  } else if (end.residual <= end.asked && end.obstacle.empty() && finer.failure.empty()) {
+    words = {here, here.empty() && !there.empty() ? there + " " + in_words(finer) : "",
+             conflicts(result.constraints, true), end.why};
+  } else if (end.residual <= end.asked && end.obstacle.empty() && conflict.empty() && finer.failure.empty()) {
     result.ending = Ending::Optimal;
     words = {residual, end.evidence, kept_there(r, finer)};
     if (finer.size > 0) words.push_back(fmt::format("objective {:.6g} {}", finer.objective, in_words(finer)));
@@ -203,10 +224,12 @@ void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end)
       words.push_back(residual.empty() ? "nothing tells how far it is from an optimum"
                                        : fmt::format("{}, an optimum has at most {:.2g}", residual, end.asked));
     words.push_back(end.obstacle);
+    words.push_back(conflict);
     if (!finer.failure.empty())
       words.push_back(fmt::format("the design cannot be solved {}: {}", in_words(finer), finer.failure));
     words.push_back(kept_there(r, finer));
   }
+  words.push_back(above_start(result, r, row));
   result.optimality = end.residual;
   result.stopped = fmt::format("{}: {}", word(result.ending), join(words));
 }

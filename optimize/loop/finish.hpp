@@ -53,9 +53,10 @@ struct LoopEnd {
   double allowed = feasible_violation;  // of the constraints on the loop's own mesh
   std::string obstacle;                 // what else speaks against "optimal", in words; empty: nothing
   std::string evidence;                 // what else speaks for it
+  const Shape* frame = nullptr;         // of a level set; its constraints are measured against it
 };
 
-/// Fills feasible, ending, stopped and optimality of the result, which has the finer design.
+/// Fills constraints, feasible, ending, stopped and optimality of the result, which has the finer design.
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end);
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 // The body against what is asked of it: mirrors and frozen parts.
 
 #include "geometry/plane.hpp"
+#include "optimize/constraints/mirrored.hpp"
 #include "optimize/refuse.hpp"
 
 #include <fmt/core.h>
@@ -40,12 +41,6 @@ std::vector<Vec2> points_along(const Shape& shape, double step) {
   return out;
 }
 
-// x' - p = 2 (d . (x - p)) d - (x - p), d along the line through p.
-Vec2 reflected(const Mirror& mirror, const Vec2& x) {
-  const Vec2 away = x - mirror.point;
-  return mirror.point + 2 * mirror.direction * mirror.direction.dot(away) - away;
-}
-
 }  // namespace
 
 std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror) {
@@ -55,7 +50,7 @@ std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror)
   std::vector<Vec2> points = points_along(body, step);
   std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x(); });
   for (const Vec2& x : points) {
-    const Vec2 image = reflected(mirror, x);
+    const Vec2 image = image_of(mirror, x);
     // Sorted by x: only points within a step of the image's x are looked at.
     auto near = std::lower_bound(points.begin(), points.end(), image.x() - step,
                                  [](const Vec2& p, double limit) { return p.x() < limit; });

@@ -83,6 +83,20 @@ std::string of_optimization(const OptimizeResult& o) {
   return line("optimization", mood, said, why);
 }
 
+/// The constraints, measured on the design that is drawn.
+std::string of_constraints(const std::vector<KeptConstraint>& all) {
+  std::string why;
+  int kept = 0;
+  for (const KeptConstraint& c : all) {
+    kept += c.kept;
+    if (!why.empty()) why += "; ";
+    why += c.kept ? fmt::format("{} {:.4g}, asked {:.4g}", c.name, c.got, c.asked) : c.note;
+  }
+  const bool good = kept == int(all.size());
+  return line("constraints", good ? Mood::Good : Mood::Bad,
+              good ? "kept" : fmt::format("{} of {} not kept", int(all.size()) - kept, all.size()), why);
+}
+
 }  // namespace
 
 std::string verdicts(const Result& r) {
@@ -95,6 +109,7 @@ std::string verdicts(const Result& r) {
   if (r.map) out += of_map(*r.map);
   if (r.validate) out += of_validation(*r.validate);
   if (r.optimize) out += of_optimization(*r.optimize);
+  if (r.optimize && !r.optimize->constraints.empty()) out += of_constraints(r.optimize->constraints);
   return out.empty() ? out : fmt::format("<ul class=\"verdicts\" aria-label=\"Verdicts\">\n{}</ul>\n", out);
 }
 
