@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 
@@ -119,7 +120,11 @@ KeptConstraint of_mirror(const MeasuredDesign& d, const Mirror& mirror) {
   const Asymmetry found = asymmetry(d.shape, mirror);
   KeptConstraint c{
       .kind = KeptConstraint::Kind::Mirror, .name = "symmetry", .asked = 0, .got = found.distance, .at = found.at};
-  c.kept = c.got <= of_images * extent(*d.frame);
+  // Points of flat arcs are known to the rounding of their centers.
+  double flat = 0;
+  for (const DrawnSide& s : sides_of(d.shape))
+    if (s.arc) flat = std::max(flat, largest_radius(*s.arc));
+  c.kept = c.got <= std::max(of_images * extent(*d.frame), 4 * std::numeric_limits<double>::epsilon() * flat);
   if (!c.kept)
     c.note =
         fmt::format("conflict: the design is not its own mirror image: its boundary lies {:.3g} from its image at {}",

@@ -11,4 +11,8 @@ inline Vec2 image_of(const Mirror& mirror, const Vec2& x) {
   return mirror.point + 2 * along.dot(d) * along - d;
 }
 
+/// The body that is what lies on one side of the line and its image; `side`: 1 for the left of its direction, -1. Loops
+/// without drawn sides are the frame's own. Nothing where what lies there is no body, or not one.
+std::optional<Shape> symmetric(const Shape& body, const Shape& frame, const Mirror& mirror, double side);
+
 }  // namespace kerf

@@ -22,17 +22,6 @@ double parameter_at(const Arc& arc, double part) {
   return arc.from + part * (arc.to - arc.from);
 }
 
-/// Twice the area to the left of a loop, arcs in pieces.
-double signed_area(const std::vector<DrawnSide>& sides) {
-  constexpr int pieces = 16;
-  double sum = 0;
-  for (const DrawnSide& s : sides) {
-    const int n = s.arc ? pieces : 1;
-    for (int k = 0; k < n; ++k) sum += cross(at(s, double(k) / n), at(s, double(k + 1) / n));
-  }
-  return sum;
-}
-
 /// The nearest point of a part of an ellipse: samples, then halves around the best one.
 double nearest_on_ellipse(const DrawnSide& side, const Vec2& x) {
   const auto away = [&](double part) { return (at(side, part) - x).squaredNorm(); };
@@ -60,11 +49,22 @@ double nearest_on_ellipse(const DrawnSide& side, const Vec2& x) {
 
 }  // namespace
 
+double signed_area(const std::vector<DrawnSide>& loop) {
+  constexpr int pieces = 16;
+  double twice = 0;
+  for (const DrawnSide& s : loop) {
+    const int n = s.arc ? pieces : 1;
+    for (int k = 0; k < n; ++k) twice += cross(at(s, double(k) / n), at(s, double(k + 1) / n));
+  }
+  return 0.5 * twice;
+}
+
 void add_sides(const Loop& loop, bool hole, std::vector<DrawnSide>& out) {
   std::vector<DrawnSide> mine;
   const std::size_t n = loop.sides.size();
   for (std::size_t i = 0; i < n; ++i)
-    mine.push_back({loop.sides[i].start, loop.sides[(i + 1) % n].start, loop.sides[i].arc, loop.sides[i].label});
+    mine.push_back({loop.sides[i].start, loop.sides[(i + 1) % n].start, loop.sides[i].arc, loop.sides[i].label,
+                    loop.sides[i].keep, loop.sides[i].smooth});
   if ((signed_area(mine) < 0) != hole) {
     std::ranges::reverse(mine);
     for (DrawnSide& s : mine) {

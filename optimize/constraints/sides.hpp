@@ -12,6 +12,7 @@ struct DrawnSide {
   Vec2 a, b;
   std::optional<Arc> arc;
   Index label = none;
+  bool keep = false, smooth = false;  // as of a Side
 };
 
 /// Those of a loop in their order, counter-clockwise or, of a hole, clockwise, whatever the loop's own orientation.
@@ -22,6 +23,8 @@ std::vector<DrawnSide> sides_of(const Shape& body);
 Vec2 at(const DrawnSide& side, double part);       // part: 0 at a, 1 at b
 Vec2 tangent(const DrawnSide& side, double part);  // of length 1
 double length(const DrawnSide& side);              // at most; exact but for ellipses
+/// The area to the left of a closed loop, for its sign: arcs are taken in pieces.
+double signed_area(const std::vector<DrawnSide>& loop);
 /// Where on the side the point nearest to x lies. Exact for lines and circles, to rounding for ellipses.
 double nearest(const DrawnSide& side, const Vec2& x);
 

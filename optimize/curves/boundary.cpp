@@ -346,7 +346,7 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
       double unit = 1;
       const double at = coordinate({Index(c), Index(k)}, unit);
       VectorXd row = VectorXd::Zero(d.variables);
-      row[hold.offset] = 1;
+      row[hold.offset] = hold.offset_sign;
       if (std::isfinite(hold.upper)) rows.add(row, std::max(0.0, (hold.upper - at) * unit));
       if (std::isfinite(hold.lower)) rows.add(-row, std::max(0.0, (at - hold.lower) * unit));
     }
@@ -355,8 +355,12 @@ void add_rails(const DesignCurves& d, LinearRows& rows) {
     const double a = coordinate(pair.first, unit), b = coordinate(pair.second, unit);
     VectorXd row = VectorXd::Zero(d.variables);
     // (b + s_b) - (a + s_a) >= least, in lengths; on the arc of an ellipse by the unit at the second end.
-    row[d.holds[std::size_t(pair.first.chain)][std::size_t(pair.first.knot)].offset] += 1;
-    row[d.holds[std::size_t(pair.second.chain)][std::size_t(pair.second.knot)].offset] -= 1;
+    const auto add = [&](const KnotRef& ref, double sign) {
+      const KnotHold& hold = d.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
+      row[hold.offset] += sign * hold.offset_sign;
+    };
+    add(pair.first, 1);
+    add(pair.second, -1);
     rows.add(std::move(row), std::max(0.0, (b - a - pair.least) * unit));
   }
 }
@@ -378,7 +382,7 @@ void add_lengths(const DesignCurves& d, LinearRows& rows) {
         if (hold.kind != KnotHold::Kind::Slides) return;
         const Rail& rail = d.rails[std::size_t(hold.rail)];
         const Vec2 along = rail.velocity(rail.at(d.chains[std::size_t(ref.chain)].knots[std::size_t(ref.knot)].at));
-        longer[hold.offset] += along.dot(outwards) > 0 ? 1 : -1;
+        longer[hold.offset] += along.dot(outwards) > 0 ? hold.offset_sign : -hold.offset_sign;
       };
       add(ends.before, -side);
       add(ends.after, side);
@@ -417,7 +421,7 @@ void add_leaving(const DesignCurves& d, const Shape& frame, double size, LinearR
       const double sine = sign * in.dot(Vec2(c_, s_));
       VectorXd row = VectorXd::Zero(d.variables);
       // d sine / d angle, negated: row . step <= sine - least.
-      row[d.holds[c][k].angle] = -sign * in.dot(Vec2(-s_, c_));
+      row[d.holds[c][k].angle] = -d.holds[c][k].angle_sign * sign * in.dot(Vec2(-s_, c_));
       rows.add(std::move(row), sine - std::min(least, sine));
     }
   }
@@ -515,10 +519,9 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
     // The square root is taken chain by chain.
     std::vector<Eigen::Index> mine;
-    for (const KnotHold& hold : d.holds[c]) {
-      if (hold.offset != none) mine.push_back(hold.offset);
-      mine.push_back(hold.angle);
-    }
+    for (const KnotHold& hold : d.holds[c])
+      for (const Index variable : {hold.offset, hold.angle})
+        if (variable != none && std::ranges::find(mine, Eigen::Index(variable)) == mine.end()) mine.push_back(variable);
     std::vector<bool> turns;
     for (const Eigen::Index variable : mine) turns.push_back(angles[std::size_t(variable)]);
     std::vector<Eigen::Index> at;

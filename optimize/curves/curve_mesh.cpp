@@ -146,7 +146,7 @@ Eigen::VectorXd pull_back(const CurveMesh& m, const DesignCurves& d, const Point
       // of its rail.
       const double unit = rail.velocity(rail.at(x)).norm();
       const Vec2 here = rail.velocity(rail.at(on(ends, f.part)));
-      sum[hold(d, ref).offset] += share * here.dot(pull) / unit;
+      sum[hold(d, ref).offset] += hold(d, ref).offset_sign * share * here.dot(pull) / unit;
     }
   }
   return sum;

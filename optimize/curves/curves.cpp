@@ -515,7 +515,7 @@ VectorXd CurvesRun::step_to_shape() {
       VectorXd alone = VectorXd::Zero(step.size());
       for (const KnotHold& hold : x_.curves.holds[c]) {
         if (hold.offset != none) alone[hold.offset] = step[hold.offset];
-        alone[hold.angle] = step[hold.angle];
+        if (hold.angle != none) alone[hold.angle] = step[hold.angle];
       }
       if (is_design(moved(x_.curves, alone))) continue;
       share_[c] *= 0.3;
@@ -730,7 +730,6 @@ bool CurvesRun::leave_room() {
 FinishedCurves CurvesRun::run() {
   std::string failure;
   const DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);
-  if (r_.level_set.mirror) out_.notes.emplace_back("the curves need not be their own mirror image");
   Point inside{.curves = start};
   inside.area = area_of(start, &inside.by_area);
   inside.by_bound.resize(start.variables, 0);

@@ -10,6 +10,7 @@
 #include "optimize/curves/design_curves.hpp"
 
 #include "geometry/plane.hpp"
+#include "optimize/constraints/mirrored.hpp"
 
 #include <fmt/core.h>
 
@@ -35,6 +36,36 @@ Vec2 direction(const DesignCurves& d, const KnotHold& hold, const Knot& knot) {
   if (hold.kind == KnotHold::Kind::Free) return left_of(knot.angle);
   const Rail& rail = d.rails[std::size_t(hold.rail)];
   return rail.velocity(rail.at(knot.at)).normalized();
+}
+
+/// A knot seen in a mirror, in a chain that runs the other way round. Its left normal is the image of the left normal.
+Knot image_of(const Mirror& mirror, const Knot& knot) {
+  const double along = std::atan2(mirror.direction.y(), mirror.direction.x());
+  return {image_of(mirror, knot.at), 2 * along + pi - knot.angle};
+}
+
+double near_turn(double angle, double old) {
+  return angle + 2 * pi * std::round((old - angle) / (2 * pi));
+}
+
+Knot& knot_of(DesignCurves& d, const KnotRef& ref) {
+  return d.chains[std::size_t(ref.chain)].knots[std::size_t(ref.knot)];
+}
+
+/// Images where what they are images of is; knots on the line stay on it.
+void follow(DesignCurves& d) {
+  for (const KnotImage& pair : d.images) {
+    Knot& image = knot_of(d, pair.image);
+    const Knot there = image_of(*d.mirror, knot_of(d, pair.of));
+    const bool fixed =
+        d.holds[std::size_t(pair.image.chain)][std::size_t(pair.image.knot)].kind == KnotHold::Kind::Fixed;
+    if (pair.of.chain == pair.image.chain && pair.of.knot == pair.image.knot) {
+      image.at = 0.5 * (image.at + there.at);
+      continue;
+    }
+    if (!fixed) image.at = there.at;
+    image.angle = near_turn(there.angle, image.angle);
+  }
 }
 
 /// The side of the frame that contains both points, as a rail, and the coordinates of its ends.
@@ -170,6 +201,7 @@ class Builder {
   DesignCurves build() {
     add_loop(d_.carved.outline);
     for (const Loop& hole : d_.carved.holes) add_loop(hole);
+    if (how_.mirror) pair_chains();
     limit_rails();
     number_variables();
     for (const ArcChain& chain : d_.chains) d_.spacing.push_back(segment_lengths(chain));
@@ -233,6 +265,9 @@ class Builder {
     std::vector<Vec2> points;
     for (std::size_t i = begin; i < end + (closed ? 0 : 1); ++i) points.push_back(loop.sides[i % n].start);
     const ChainTrace trace = with_mouths(std::move(points), closed, ends_, near_);
+    traces_.push_back(trace);
+    if (how_.mirror)
+      if (const auto half = half_of(trace)) return add_doubled(*half, trace);
     Fitted fitted = fit_arcs(trace, {how_.tolerance, how_.least_spacing});
     std::vector<KnotHold> holds(fitted.chain.knots.size());
     for (std::size_t k = 0; k < holds.size(); ++k)
@@ -241,6 +276,127 @@ class Builder {
     d_.chains.push_back(std::move(fitted.chain));
     d_.holds.push_back(std::move(holds));
     return Index(d_.chains.size()) - 1;
+  }
+
+  bool is_image(const Vec2& x, const Vec2& y) const {
+    return (image_of(*how_.mirror, x) - y).norm() <= near_;
+  }
+
+  /// Of a trace that is its own mirror image, run the other way round, the half that ends on the line; of a closed one
+  /// it begins there, too.
+  std::optional<ChainTrace> half_of(const ChainTrace& trace) const {
+    const std::vector<Vec2>& x = trace.points;
+    const std::size_t n = x.size();
+    const auto take = [&](std::size_t first, std::size_t count) {
+      ChainTrace half;
+      for (std::size_t i = 0; i < count; ++i) {
+        half.points.push_back(x[(first + i) % n]);
+        half.pinned.push_back(!trace.pinned.empty() && trace.pinned[(first + i) % n]);
+      }
+      return half;
+    };
+    if (!trace.closed) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (!is_image(x[i], x[n - 1 - i])) return {};
+      return n % 2 == 1 && n > 2 ? std::optional(take(0, n / 2 + 1)) : std::nullopt;
+    }
+    for (std::size_t first = 0; first < n && n % 2 == 0; ++first) {
+      bool own = true;
+      for (std::size_t i = 0; own && i <= n / 2; ++i) own = is_image(x[(first + i) % n], x[(first + n - i) % n]);
+      if (own) return take(first, n / 2 + 1);
+    }
+    return {};
+  }
+
+  /// A half and its image. On the line the chain runs across it, whatever moves.
+  Index add_doubled(const ChainTrace& half, const ChainTrace& whole) {
+    const bool closed = whole.closed;
+    Fitted fitted = fit_arcs(half, {how_.tolerance, how_.least_spacing});
+    std::vector<Knot>& knots = fitted.chain.knots;
+    const std::size_t m = knots.size() - 1, count = closed ? 2 * m : 2 * m + 1;
+    const Mirror& mirror = *how_.mirror;
+    std::vector<KnotHold> holds(count);
+    const auto across = [&](Knot& knot) {
+      const Vec2 a(-mirror.direction.y(), mirror.direction.x());
+      const double angle = std::atan2(a.y(), a.x()), turned = near_turn(angle, knot.angle),
+                   other = near_turn(angle + pi, knot.angle);
+      knot.angle = std::abs(turned - knot.angle) < std::abs(other - knot.angle) ? turned : other;
+    };
+    across(knots[m]);
+    if (closed) across(knots[0]);
+    for (std::size_t k = 0; k <= m; ++k)
+      if (fitted.point[k] != none && half.pinned[std::size_t(fitted.point[k])]) holds[k].kind = KnotHold::Kind::Fixed;
+    if (!closed) holds[0].kind = KnotHold::Kind::Fixed;
+    const Index chain = Index(d_.chains.size());
+    d_.images.push_back({{chain, Index(m)}, {chain, Index(m)}});
+    if (closed) d_.images.push_back({{chain, 0}, {chain, 0}});
+    for (std::size_t k = m + 1; k < count; ++k) {
+      const std::size_t of = 2 * m - k;
+      knots.push_back(image_of(mirror, knots[of]));
+      holds[k].kind = holds[of].kind;
+      d_.images.push_back({{chain, Index(of)}, {chain, Index(k)}});
+    }
+    if (!closed) knots.back().at = whole.points.back();
+    fitted.chain.closed = closed;
+    d_.distance = std::max(d_.distance, fitted.distance);
+    d_.chains.push_back(std::move(fitted.chain));
+    d_.holds.push_back(std::move(holds));
+    return chain;
+  }
+
+  /// The other chains by twos: the later one becomes the image of the earlier one.
+  void pair_chains() {
+    d_.mirror = how_.mirror;
+    std::vector<bool> done(d_.chains.size(), false);
+    for (const KnotImage& pair : d_.images) done[std::size_t(pair.of.chain)] = true;
+    for (std::size_t c = 0; c < done.size(); ++c) {
+      if (done[c]) continue;
+      std::size_t other = c + 1;
+      while (other < done.size() && (done[other] || !are_images(traces_[c], traces_[other]))) ++other;
+      if (other == done.size())
+        throw Error(Fault::Geometry, "the design is not its own mirror image: nothing is its half");
+      done[c] = done[other] = true;
+      become_image(c, other);
+    }
+    for (KnotImage& pair : d_.images) {
+      KnotHold &of = hold_at(pair.of), &image = hold_at(pair.image);
+      // What may not slide on one side of the line may not on the other one.
+      if (of.kind != image.kind)
+        for (KnotHold* hold : {&of, &image}) *hold = {.kind = KnotHold::Kind::Fixed};
+    }
+  }
+
+  KnotHold& hold_at(const KnotRef& ref) {
+    return d_.holds[std::size_t(ref.chain)][std::size_t(ref.knot)];
+  }
+
+  bool are_images(const ChainTrace& a, const ChainTrace& b) const {
+    const std::size_t n = a.points.size();
+    if (a.closed != b.closed || b.points.size() != n) return false;
+    if (!a.closed) return is_image(a.points.front(), b.points.back()) && is_image(a.points.back(), b.points.front());
+    for (std::size_t k = 0; k < n; ++k)
+      if (is_image(a.points[0], b.points[k])) return is_image(a.points[1], b.points[(k + n - 1) % n]);
+    return false;
+  }
+
+  void become_image(std::size_t of, std::size_t other) {
+    const std::vector<Knot>& knots = d_.chains[of].knots;
+    const std::size_t n = knots.size();
+    std::vector<KnotHold> holds(n);
+    for (std::size_t k = 0; k < n; ++k) holds[n - 1 - k].kind = d_.holds[of][k].kind;
+    if (!d_.chains[of].closed) {
+      holds.front() = d_.holds[other].front();
+      holds.back() = d_.holds[other].back();
+    }
+    const Knot first = d_.chains[other].knots.front(), last = d_.chains[other].knots.back();
+    d_.chains[other].knots.clear();
+    for (std::size_t k = n; k-- > 0;) d_.chains[other].knots.push_back(image_of(*how_.mirror, knots[k]));
+    if (!d_.chains[of].closed) {
+      d_.chains[other].knots.front().at = first.at;
+      d_.chains[other].knots.back().at = last.at;
+    }
+    d_.holds[other] = std::move(holds);
+    for (std::size_t k = 0; k < n; ++k) d_.images.push_back({{Index(of), Index(k)}, {Index(other), Index(n - 1 - k)}});
   }
 
   /// The ends of the last chain, that of sides begin to end, slide where the sides next to them let them.
@@ -323,12 +479,33 @@ class Builder {
   }
 
   // Per knot the move, where it has one, then the angle.
+  // Images have those of what they are images of; a knot on the mirror's line does not turn.
   void number_variables() {
-    for (auto& holds : d_.holds)
-      for (KnotHold& hold : holds) {
+    std::map<std::array<Index, 2>, const KnotImage*> image;
+    for (const KnotImage& pair : d_.images) image[{pair.image.chain, pair.image.knot}] = &pair;
+    for (std::size_t c = 0; c < d_.holds.size(); ++c)
+      for (std::size_t k = 0; k < d_.holds[c].size(); ++k) {
+        const auto found = image.find({Index(c), Index(k)});
+        const bool own =
+            found != image.end() && found->second->of.chain == Index(c) && found->second->of.knot == Index(k);
+        if (found != image.end() && !own) continue;
+        KnotHold& hold = d_.holds[c][k];
         if (hold.kind != KnotHold::Kind::Fixed) hold.offset = Index(d_.variables++);
-        hold.angle = Index(d_.variables++);
+        if (!own) hold.angle = Index(d_.variables++);
       }
+    for (const auto& [at, pair] : image) {
+      const KnotHold& of = hold_at(pair->of);
+      KnotHold& hold = hold_at(pair->image);
+      if (&of == &hold) continue;
+      hold.offset = of.offset;
+      hold.angle = of.angle;
+      hold.angle_sign = -1;
+      if (hold.kind != KnotHold::Kind::Slides) continue;
+      const Vec2 origin = how_.mirror->point,
+                 way = image_of(*how_.mirror, Vec2(origin + direction(d_, of, knot_of(d_, pair->of)))) - origin;
+      hold.offset_sign = way.dot(direction(d_, hold, knot_of(d_, pair->image))) > 0 ? 1 : -1;
+    }
+    follow(d_);
   }
 
   const Shape& frame_;
@@ -336,6 +513,7 @@ class Builder {
   DesignCurves d_;
   double near_ = 0;
   std::vector<Vec2> ends_;
+  std::vector<ChainTrace> traces_;  // per chain
   std::map<std::array<std::size_t, 2>, Index> rails_;
 };
 
@@ -447,7 +625,7 @@ std::vector<bool> angles_of(const DesignCurves& d) {
   std::vector<bool> turns(std::size_t(d.variables), false);
   for (const auto& chain : d.holds)
     for (const KnotHold& hold : chain) {
-      turns[std::size_t(hold.angle)] = true;
+      if (hold.angle != none) turns[std::size_t(hold.angle)] = true;
       const bool slides = hold.kind == KnotHold::Kind::Slides;
       if (slides && d.rails[std::size_t(hold.rail)].arc) turns[std::size_t(hold.offset)] = true;
     }
@@ -462,15 +640,16 @@ DesignCurves moved(const DesignCurves& d, const VectorXd& step) {
       const KnotHold& hold = d.holds[c][k];
       const Knot& from = d.chains[c].knots[k];
       Knot& knot = next.chains[c].knots[k];
-      knot.angle += step[hold.angle];
+      if (hold.angle != none) knot.angle += hold.angle_sign * step[hold.angle];
       if (hold.kind == KnotHold::Kind::Free) {
-        knot.at += step[hold.offset] * left_of(from.angle);
+        knot.at += hold.offset_sign * step[hold.offset] * left_of(from.angle);
       } else if (hold.kind == KnotHold::Kind::Slides) {
         const Rail& rail = d.rails[std::size_t(hold.rail)];
         const double at = rail.at(from.at);
-        knot.at = rail.point(at + step[hold.offset] / rail.velocity(at).norm());
+        knot.at = rail.point(at + hold.offset_sign * step[hold.offset] / rail.velocity(at).norm());
       }
     }
+  follow(next);
   return next;
 }
 
@@ -479,11 +658,12 @@ void even_out(DesignCurves& d) {
   for (std::size_t c = 0; c < d.chains.size(); ++c) {
     std::vector<std::size_t> stay;  // an open chain has its ends among them
     for (std::size_t k = 0; k < d.holds[c].size(); ++k)
-      if (d.holds[c][k].kind != KnotHold::Kind::Free) stay.push_back(k);
+      if (d.holds[c][k].kind != KnotHold::Kind::Free || d.holds[c][k].angle == none) stay.push_back(k);
     if (d.chains[c].closed && stay.empty()) stay.push_back(0);
     if (d.chains[c].closed) stay.push_back(stay.front() + d.chains[c].knots.size());
     for (std::size_t i = 0; i + 1 < stay.size(); ++i) even_out(d.chains[c], d.spacing[c], stay[i], stay[i + 1]);
   }
+  follow(d);
 }
 
 void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, const Eigen::Matrix<double, 1, 6>& by,
@@ -495,8 +675,9 @@ void add_by_segment(const DesignCurves& d, Index chain, std::size_t segment, con
     // dx/doffset is the unit direction of the hold.
     const auto from = Eigen::Index(3 * end);
     if (hold.offset != none)
-      sum[hold.offset] += by.segment<2>(from).dot(direction(d, hold, d.chains[c].knots[k]).transpose());
-    sum[hold.angle] += by[from + 2];
+      sum[hold.offset] +=
+          hold.offset_sign * by.segment<2>(from).dot(direction(d, hold, d.chains[c].knots[k]).transpose());
+    if (hold.angle != none) sum[hold.angle] += hold.angle_sign * by[from + 2];
   }
 }
 

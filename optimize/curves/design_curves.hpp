@@ -24,6 +24,7 @@ struct KnotHold {
   Index rail = none;
   double lower = -infinity, upper = infinity;  // of the coordinate on the rail
   Index offset = none, angle = none;           // numbers of its variables
+  double offset_sign = 1, angle_sign = 1;      // images move by the variables of what they are images of
 };
 
 /// A piece of a loop: a chain, or a side of the frame.
@@ -45,6 +46,11 @@ struct RailGap {
   double least;  // in the coordinate
 };
 
+/// A knot and its mirror image, which follows it; one on the line is its own, and has no angle to vary.
+struct KnotImage {
+  KnotRef of, image;
+};
+
 struct DesignCurves {
   Shape carved;                  // all that is no chain
   std::vector<CurveLoop> loops;  // outline, holes
@@ -52,6 +58,8 @@ struct DesignCurves {
   std::vector<std::vector<KnotHold>> holds;  // per chain and knot
   std::vector<Rail> rails;
   std::vector<RailGap> apart;
+  std::vector<KnotImage> images;
+  std::optional<Mirror> mirror;
   std::vector<std::vector<double>> spacing;  // per chain and segment: its length when the knots were placed
   Index label = none;
   Eigen::Index variables = 0;
@@ -63,7 +71,9 @@ struct CurveRules {
   double size, tolerance, least_spacing, least_gap;
   std::vector<Index> solid;
   std::vector<Index> held = {};  // labels of supports
+  std::optional<Mirror> mirror = {};
 };
+/// With a mirror one half has the variables. Throws Error(Geometry) where the design is not its own image.
 DesignCurves design_curves(const Shape& frame, const Carved& carved, const CurveRules& how);
 
 Shape shape_of(const DesignCurves& d);

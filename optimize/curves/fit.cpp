@@ -62,8 +62,8 @@ DesignCurves fitted_curves(const Problem& p, const OptimizeRequest& r, const Car
   std::string problem;
   for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.6, spacing *= 0.6) {
     const double gap = how.min_feature > 0 ? how.min_feature : size;
-    DesignCurves d =
-        design_curves(p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r), held_labels(p, r)});
+    DesignCurves d = design_curves(
+        p.frame, carved, {size, tolerance, spacing, gap, solid_labels(p, r), held_labels(p, r), r.level_set.mirror});
     // Where the offset finds no way the first step makes up for the area.
     if (DesignCurves exact = d; offset_to_area(exact, carved.area)) d = std::move(exact);
     const auto found = find_problem(shape_of(d));

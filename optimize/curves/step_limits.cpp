@@ -29,7 +29,7 @@ double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd
   double worst = furthest_move(moves, step, most);
   for (std::size_t c = 0; c < d.holds.size(); ++c)
     for (const KnotHold& hold : d.holds[c]) {
-      worst = std::max(worst, std::abs(step[hold.angle]) / most.turn[c]);
+      if (hold.angle != none) worst = std::max(worst, std::abs(step[hold.angle]) / most.turn[c]);
       if (hold.kind == KnotHold::Kind::Slides)
         worst = std::max(worst, std::abs(step[hold.offset]) / (sliding * most.radius[c]));
     }

@@ -11,6 +11,7 @@
 
 #include "geometry/plane.hpp"
 #include "kerf/mesher.hpp"
+#include "optimize/constraints/mirrored.hpp"
 #include "optimize/density/density.hpp"
 #include "optimize/ersatz.hpp"
 #include "optimize/level_set/solid.hpp"
@@ -43,6 +44,20 @@ Carving carving(const Ground& g, double coarse) {
 void settle(const BackgroundMesh& b, const std::vector<char>& inside, Eigen::VectorXd& phi) {
   for (Eigen::Index v = 0; v < phi.size(); ++v)
     if ((phi[v] < 0) != bool(inside[static_cast<std::size_t>(v)]) && std::abs(phi[v]) > 0.5 * b.size) phi[v] = -phi[v];
+}
+
+/// The shape of a function on the canvas; with a mirror one half of it and its image.
+/// Left or right, whichever makes a body; carving that is no mirror image has neither, and the end says so.
+Carved carve_on(const Ground& g, const Eigen::VectorXd& phi, const Carving& how) {
+  Carved carved = carve(g.p.frame, g.background.mesh, phi, how);
+  if (g.background.mirror)
+    for (const double side : {1.0, -1.0})
+      if (auto shape = symmetric(carved.shape, g.p.frame, *g.background.mirror, side)) {
+        carved.shape = std::move(*shape);
+        carved.area = area(carved.shape);
+        break;
+      }
+  return carved;
 }
 
 double length_of(const std::vector<ZeroPiece>& line) {
@@ -137,7 +152,7 @@ bool counts_stress(const Functional& j) {
 }
 
 Carved carved_again(const Ground& g, const Eigen::VectorXd& phi) {
-  return carve(g.p.frame, g.background.mesh, phi, carving(g, 1));
+  return carve_on(g, phi, carving(g, 1));
 }
 
 Problem fitted(const Ground& g, double coarse) {
@@ -151,7 +166,7 @@ Problem fitted(const Ground& g, double coarse) {
 DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> wanted, double coarse) {
   if (g.weak()) return {phi, {}, std::make_shared<const Evaluated>(evaluate_ersatz(g.p, g.r, g.background, phi))};
   const Carving how = carving(g, coarse);
-  Carved carved = carve(g.p.frame, g.background.mesh, phi, how);
+  Carved carved = carve_on(g, phi, how);
   settle(g.background, carved.inside, phi);
   // Newton's method on a length that carving changes: eight steps, each at most half an edge.
   constexpr int most = 8;
@@ -160,7 +175,7 @@ DrawnLevelSet draw(const Ground& g, Eigen::VectorXd phi, std::optional<double> w
     if (!(length > 0)) break;
     phi.array() += std::clamp((carved.area - *wanted) / length, -reach, reach);
     phi = clipped(g.background, std::move(phi));
-    carved = carve(g.p.frame, g.background.mesh, phi, how);
+    carved = carve_on(g, phi, how);
     settle(g.background, carved.inside, phi);
   }
   auto design = std::make_shared<const Evaluated>(

@@ -1,0 +1,230 @@
+// A body made its own mirror image. Every loop is cut at the line; each run of sides on the side that is kept begins
+// and ends on it, and with its image, run the other way round, makes a closed loop: the one that runs counter-clockwise
+// is the outline. Images of sides of the frame take its label, and its corners exactly.
+
+#include "optimize/constraints/mirrored.hpp"
+
+#include "geometry/plane.hpp"
+#include "optimize/constraints/sides.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+
+namespace {
+
+constexpr double same_place = 1e-9;  // of the extent
+
+class Halves {
+ public:
+  Halves(const Shape& frame, const Mirror& mirror, double side)
+      : frame_(frame),
+        frame_sides_(sides_of(frame)),
+        mirror_(mirror),
+        along_(mirror.direction.normalized()),
+        side_(side),
+        near_(same_place * extent(frame)) {}
+
+  /// The closed loops that a loop and its image make.
+  std::vector<std::vector<DrawnSide>> doubled(const std::vector<DrawnSide>& loop) const {
+    std::vector<DrawnSide> cut;
+    for (const DrawnSide& s : loop) add_cut(s, cut);
+    const auto kept = [&](const DrawnSide& s) { return height(at(s, 0.5)) > near_; };
+    const std::size_t n = cut.size();
+    std::vector<std::vector<DrawnSide>> all;
+    if (std::ranges::all_of(cut, kept)) return {cut, image(cut)};
+    std::size_t first = 0;
+    while (first < n && (!kept(cut[first]) || kept(cut[(first + n - 1) % n]))) ++first;
+    if (first == n) return {};
+    for (std::size_t i = first; i < first + n;) {
+      std::vector<DrawnSide> run;
+      for (; i < first + n && kept(cut[i % n]); ++i) run.push_back(cut[i % n]);
+      if (run.empty()) {
+        ++i;
+        continue;
+      }
+      std::vector<DrawnSide> back = image(run);
+      back.front().a = run.back().b;
+      back.back().b = run.front().a;
+      run.insert(run.end(), back.begin(), back.end());
+      all.push_back(joined(std::move(run)));
+    }
+    return all;
+  }
+
+  double height(const Vec2& x) const {
+    return side_ * cross(along_, x - mirror_.point);
+  }
+  bool is_drawn(const DrawnSide& s) const {
+    return s.label == none || std::size_t(s.label) >= frame_.labels.size();
+  }
+  double near() const {
+    return near_;
+  }
+
+ private:
+  Vec2 snapped(const Vec2& x) const {
+    return std::abs(height(x)) <= near_ ? Vec2(mirror_.point + along_ * along_.dot(x - mirror_.point)) : x;
+  }
+
+  /// A side in pieces that lie on one side of the line each.
+  void add_cut(const DrawnSide& s, std::vector<DrawnSide>& out) const {
+    std::vector<double> parts;
+    if (s.arc) {
+      // side . (x(t) - p) = A cos t + B sin t + C
+      const double A = side_ * cross(along_, Vec2(s.arc->axes.col(0))),
+                   B = side_ * cross(along_, Vec2(s.arc->axes.col(1))), C = height(s.arc->center), R = std::hypot(A, B),
+                   turn = s.arc->to - s.arc->from;
+      if (R > std::abs(C))
+        for (const double sign : {1.0, -1.0}) {
+          const double t = std::atan2(B, A) + sign * std::acos(-C / R);
+          for (int k = -3; k <= 3; ++k)
+            if (const double part = (t + 2 * pi * k - s.arc->from) / turn; part > 0 && part < 1) parts.push_back(part);
+        }
+    } else if (const double a = height(s.a), b = height(s.b); (a < 0) != (b < 0)) {
+      parts.push_back(a / (a - b));
+    }
+    std::ranges::sort(parts);
+    double from = 0;
+    DrawnSide rest = s;
+    rest.a = snapped(s.a);
+    rest.b = snapped(s.b);
+    for (const double part : parts) {
+      const Vec2 x = at(s, part);
+      // The ends of the side lie on the line already.
+      if ((x - s.a).norm() <= near_ || (x - s.b).norm() <= near_) continue;
+      DrawnSide piece = rest;
+      piece.b = mirror_.point + along_ * along_.dot(x - mirror_.point);
+      if (s.arc) {
+        piece.arc->from = s.arc->from + from * (s.arc->to - s.arc->from);
+        piece.arc->to = s.arc->from + part * (s.arc->to - s.arc->from);
+      }
+      rest.a = piece.b;
+      from = part;
+      out.push_back(piece);
+    }
+    if (s.arc) rest.arc->from = s.arc->from + from * (s.arc->to - s.arc->from);
+    if (from > 0) rest.keep = false;
+    out.push_back(rest);
+  }
+
+  /// Corners of the frame come back exactly.
+  Vec2 image_point(const Vec2& x) const {
+    const Vec2 y = image_of(mirror_, x);
+    for (const DrawnSide& s : frame_sides_)
+      if ((s.a - y).norm() <= near_) return s.a;
+    return y;
+  }
+
+  std::vector<DrawnSide> image(const std::vector<DrawnSide>& run) const {
+    std::vector<DrawnSide> all;
+    for (auto s = run.rbegin(); s != run.rend(); ++s) all.push_back(image(*s));
+    return all;
+  }
+
+  DrawnSide image(const DrawnSide& s) const {
+    DrawnSide out = s;
+    out.a = image_point(s.b);
+    out.b = image_point(s.a);
+    const Vec2 middle = image_of(mirror_, at(s, 0.5));
+    if (s.arc) {
+      const double twice = 2 * std::atan2(along_.y(), along_.x());
+      out.arc->center = image_of(mirror_, s.arc->center);
+      out.arc->from = twice - s.arc->to;
+      out.arc->to = twice - s.arc->from;
+    }
+    if (is_drawn(s)) return out;
+    out.label = none;
+    for (const DrawnSide& f : frame_sides_) {
+      if (f.arc.has_value() != s.arc.has_value() || (at(f, nearest(f, middle)) - middle).norm() > 1e3 * near_) continue;
+      out.label = f.label;
+      out.keep = f.keep && out.a == f.a && out.b == f.b;
+      if (f.arc) {
+        const double a = parameter(*f.arc, out.a), t = parameter(*f.arc, middle), b = parameter(*f.arc, out.b);
+        out.arc = f.arc;
+        out.arc->from = t + std::remainder(a - t, 2 * pi);
+        out.arc->to = t + std::remainder(b - t, 2 * pi);
+      }
+      break;
+    }
+    return out;
+  }
+
+  /// Sides of the frame that the line had cut in two.
+  std::vector<DrawnSide> joined(std::vector<DrawnSide> loop) const {
+    for (std::size_t i = 0; i < loop.size() && loop.size() > 3;) {
+      DrawnSide& s = loop[i];
+      const std::size_t k = (i + 1) % loop.size();
+      const DrawnSide& next = loop[k];
+      const bool cut = std::abs(height(s.b)) <= near_ && !is_drawn(s) && s.label == next.label &&
+                       s.arc.has_value() == next.arc.has_value() &&
+                       std::abs(cross(tangent(s, 1), tangent(next, 0))) < 1e-9 &&
+                       tangent(s, 1).dot(tangent(next, 0)) > 0;
+      if (!cut) {
+        ++i;
+        continue;
+      }
+      if (s.arc) s.arc->to += next.arc->to - next.arc->from;
+      s.b = next.b;
+      loop.erase(loop.begin() + std::ptrdiff_t(k));
+    }
+    return loop;
+  }
+
+  const Shape& frame_;
+  std::vector<DrawnSide> frame_sides_;
+  Mirror mirror_;
+  Vec2 along_;
+  double side_, near_;
+};
+
+Loop loop_of(const std::string& name, const std::vector<DrawnSide>& sides) {
+  Loop loop{name, {}};
+  for (const DrawnSide& s : sides) loop.sides.push_back({s.a, s.label, s.arc, s.keep, s.smooth});
+  return loop;
+}
+
+}  // namespace
+
+std::optional<Shape> symmetric(const Shape& body, const Shape& frame, const Mirror& mirror, double side) {
+  const Halves halves(frame, mirror, side);
+  Shape out = body;
+  out.holes.clear();
+  out.outline.sides.clear();
+  int bodies = 0;
+  const auto add = [&](const Loop& loop, bool hole) {
+    std::vector<DrawnSide> sides;
+    add_sides(loop, hole, sides);
+    if (hole && std::ranges::none_of(sides, [&](const DrawnSide& s) { return halves.is_drawn(s); })) {
+      double most = -infinity, least = infinity;
+      for (const DrawnSide& s : sides)
+        for (int k = 0; k < 8; ++k) {
+          const double here = halves.height(at(s, k / 8.0));
+          most = std::max(most, here);
+          least = std::min(least, here);
+        }
+      if (most <= halves.near()) return;
+      out.holes.push_back(loop);
+      if (least < -halves.near()) return;  // it lies on the line: its own image
+      const Vec2 there = image_of(mirror, at(sides.front(), 0.25));
+      for (const Loop& other : frame.holes)
+        if (Region(other).away(there) <= 1e3 * halves.near()) out.holes.push_back(other);
+      return;
+    }
+    for (const std::vector<DrawnSide>& closed : halves.doubled(sides)) {
+      if (closed.empty()) continue;
+      if (signed_area(closed) < 0)
+        out.holes.push_back(loop_of(hole ? loop.name : "design", closed));
+      else if (++bodies == 1)
+        out.outline = loop_of(body.outline.name, closed);
+    }
+  };
+  add(body.outline, false);
+  for (const Loop& hole : body.holes) add(hole, true);
+  const bool whole = std::ranges::none_of(out.outline.sides, [](const Side& s) { return s.label == none; });
+  if (bodies != 1 || !whole || find_problem(out)) return {};
+  return out;
+}
+
+}  // namespace kerf
