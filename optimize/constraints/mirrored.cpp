@@ -64,8 +64,16 @@ class Halves {
   }
 
  private:
+  /// What is near a corner of the frame is there.
+  Vec2 at_corner(const Vec2& x) const {
+    for (const DrawnSide& s : frame_sides_)
+      if ((s.a - x).norm() <= near_) return s.a;
+    return x;
+  }
+
   Vec2 snapped(const Vec2& x) const {
-    return std::abs(height(x)) <= near_ ? Vec2(mirror_.point + along_ * along_.dot(x - mirror_.point)) : x;
+    if (std::abs(height(x)) > near_) return x;
+    return at_corner(mirror_.point + along_ * along_.dot(x - mirror_.point));
   }
 
   /// A side in pieces that lie on one side of the line each.
@@ -109,14 +117,6 @@ class Halves {
     out.push_back(rest);
   }
 
-  /// Corners of the frame come back exactly.
-  Vec2 image_point(const Vec2& x) const {
-    const Vec2 y = image_of(mirror_, x);
-    for (const DrawnSide& s : frame_sides_)
-      if ((s.a - y).norm() <= near_) return s.a;
-    return y;
-  }
-
   std::vector<DrawnSide> image(const std::vector<DrawnSide>& run) const {
     std::vector<DrawnSide> all;
     for (auto s = run.rbegin(); s != run.rend(); ++s) all.push_back(image(*s));
@@ -125,8 +125,8 @@ class Halves {
 
   DrawnSide image(const DrawnSide& s) const {
     DrawnSide out = s;
-    out.a = image_point(s.b);
-    out.b = image_point(s.a);
+    out.a = at_corner(image_of(mirror_, s.b));
+    out.b = at_corner(image_of(mirror_, s.a));
     const Vec2 middle = image_of(mirror_, at(s, 0.5));
     if (s.arc) {
       const double twice = 2 * std::atan2(along_.y(), along_.x());
@@ -185,7 +185,48 @@ Loop loop_of(const std::string& name, const std::vector<DrawnSide>& sides) {
   return loop;
 }
 
+/// What acts on a point of the frame: the traction, and which components are held.
+struct Acting {
+  Vec2 traction = Vec2::Zero();
+  int held = 0;
+};
+Acting acting_on(const Scene& scene, const DrawnSide& side, double part) {
+  const Vec2 x = at(side, part), t = tangent(side, part), outwards(t.y(), -t.x());
+  Acting a;
+  for (const Traction& load : scene.tractions)
+    if (load.label == side.label && load.value) a.traction += load.value(x, outwards);
+  for (const Support& s : scene.supports)
+    if (s.label == side.label) a.held += int(s.first) + int(s.second);
+  return a;
+}
+
 }  // namespace
+
+bool are_mirrored(const Shape& frame, const std::vector<Scene>& scenes, const Mirror& mirror) {
+  constexpr double digits = 1e-6;
+  const std::vector<DrawnSide> sides = sides_of(frame);
+  for (const Scene& scene : scenes) {
+    double most = 0, same = 0, opposite = 0;
+    for (const DrawnSide& side : sides)
+      for (const double part : {0.2, 0.5, 0.8}) {
+        const Vec2 y = image_of(mirror, at(side, part));
+        const DrawnSide* other = nullptr;
+        double there = 0, least = infinity;
+        for (const DrawnSide& s : sides) {
+          const double near = nearest(s, y), away = (at(s, near) - y).squaredNorm();
+          if (away < least) least = away, other = &s, there = near;
+        }
+        const Acting here = acting_on(scene, side, part), image = acting_on(scene, *other, there);
+        if (here.held != image.held) return false;
+        const Vec2 seen = image_of(mirror, Vec2(mirror.point + here.traction)) - mirror.point;
+        most = std::max(most, here.traction.norm());
+        same = std::max(same, (seen - image.traction).norm());
+        opposite = std::max(opposite, (seen + image.traction).norm());
+      }
+    if (std::min(same, opposite) > digits * most) return false;
+  }
+  return true;
+}
 
 std::optional<Shape> symmetric(const Shape& body, const Shape& frame, const Mirror& mirror, double side) {
   const Halves halves(frame, mirror, side);

@@ -15,4 +15,8 @@ inline Vec2 image_of(const Mirror& mirror, const Vec2& x) {
 /// without drawn sides are the frame's own. Nothing where what lies there is no body, or not one.
 std::optional<Shape> symmetric(const Shape& body, const Shape& frame, const Mirror& mirror, double side);
 
+/// Whether tractions and supports of all scenes are their own mirror images, tractions up to their sign, at three
+/// points of every side.
+bool are_mirrored(const Shape& frame, const std::vector<Scene>& scenes, const Mirror& mirror);
+
 }  // namespace kerf

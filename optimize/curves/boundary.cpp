@@ -12,6 +12,7 @@
 
 #include "base/dense.hpp"
 #include "geometry/plane.hpp"
+#include "optimize/constraints/sides.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,6 +29,7 @@ constexpr double undulation = 4;       // of the second derivative per wave numb
 constexpr double thinning = 6;         // and per width
 constexpr double facing = 0.5;         // cosine between a normal and the way across, at least
 constexpr double at_the_frame = 0.25;  // of the mesh size: between samples where a corner may come in between
+constexpr double of_solid = 0.02;      // of the mesh size: between chains and what stays solid
 constexpr double neighborhood = 2.2;   // what is nearer along the boundary than this many distances is no other side
 
 // Gauss points and weights on [0, 1].
@@ -312,15 +314,103 @@ void keep_in(const DesignCurves& d, const Fence& fence, const Clearances& how, L
 }
 
 // The boundary keeps 0.02 mesh sizes off what must stay solid, and half an element off regions and cracks.
+/// A point of the border of what stays solid, and the point of a chain nearest to it.
+struct Guarded {
+  Sample sample;
+  Vec2 way;  // to the point
+  bool in;   // the point is in the body
+};
+
+/// Points at steps along the borders of what stays solid, those inside the frame.
+std::vector<Vec2> borders(const Shape& frame, const std::vector<Loop>& solid, double step, double inside) {
+  const Region whole(frame);
+  std::vector<Vec2> points;
+  for (const Loop& loop : solid) {
+    std::vector<DrawnSide> sides;
+    add_sides(loop, false, sides);
+    for (const DrawnSide& side : sides) {
+      const int n = std::max(1, int(std::ceil(length(side) / step)));
+      for (int k = 0; k < n; ++k)
+        if (const Vec2 x = at(side, double(k) / n); whole.depth(x) > inside) points.push_back(x);
+    }
+  }
+  return points;
+}
+
+/// Those within a length. Between two of them an arc that meshes can tell bulges by a seventh of the margin.
+/// The nearest sample of the chains tells about where the nearest point is.
+std::vector<Guarded> guarded(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& solid, double size,
+                             double within) {
+  constexpr double step = 0.1, coarse = 0.25;
+  std::vector<Guarded> near;
+  if (solid.empty()) return near;
+  const std::vector<Vec2> points = borders(frame, solid, step * size, 1e-6 * size);
+  const Samples samples = samples_of(d, coarse * size);
+  const double reach = within + coarse * size;
+  std::map<std::pair<long, long>, std::vector<const Sample*>> cells;
+  const auto cell = [&](const Vec2& x) {
+    return std::pair{std::lround(std::floor(x.x() / reach)), std::lround(std::floor(x.y() / reach))};
+  };
+  for (const Sample& s : samples.all)
+    if (s.chain != none) cells[cell(s.at)].push_back(&s);
+  const Region body(shape_of(d));
+  for (const Vec2& x : points) {
+    const Sample* about = nullptr;
+    const auto [i, k] = cell(x);
+    for (long di = -1; di <= 1; ++di)
+      for (long dk = -1; dk <= 1; ++dk)
+        if (const auto here = cells.find({i + di, k + dk}); here != cells.end())
+          for (const Sample* s : here->second)
+            if (!about || (s->at - x).squaredNorm() < (about->at - x).squaredNorm()) about = s;
+    if (!about || (about->at - x).norm() > reach) continue;
+    const ArcChain& chain = d.chains[std::size_t(about->chain)];
+    const std::size_t segment = about->place.arc / 2, n = segment_count(chain);
+    ChainPlace place = nearest(chain, x, segment, segment + 1);
+    const auto look = [&](std::size_t other) {
+      const ChainPlace there = nearest(chain, x, other, other + 1);
+      if ((at(chain, there) - x).squaredNorm() < (at(chain, place) - x).squaredNorm()) place = there;
+    };
+    if (segment + 1 < n || chain.closed) look((segment + 1) % n);
+    if (segment > 0 || chain.closed) look((segment + n - 1) % n);
+    const ChainPoint p = point_on(chain, place);
+    if ((p.at - x).norm() > within) continue;
+    near.push_back(
+        {{p.at, {-p.tangent.y(), p.tangent.x()}, none, 0, about->chain, place}, x - p.at, body.depth(x) >= 0});
+  }
+  return near;
+}
+
+/// What stays solid stays in the body, or comes back.
+void keep_solid(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& solid, const Clearances& how,
+                LinearRows& rows) {
+  const double least = of_solid * how.size;
+  const auto depth = [](const Guarded& g) { return (g.in ? 1 : -1) * g.way.norm(); };
+  // A third of an arc has one row, for the point that is least deep: knots are few, and rows that say the same cost.
+  std::map<std::array<long, 3>, Guarded> tightest;
+  for (const Guarded& g : guarded(d, frame, solid, how.size, least + how.reach)) {
+    const std::array<long, 3> part{g.sample.chain, long(g.sample.place.arc),
+                                   std::lround(3 * g.sample.place.part - 0.5)};
+    const auto [known, fresh] = tightest.try_emplace(part, g);
+    if (!fresh && depth(g) < depth(known->second)) known->second = g;
+  }
+  for (const auto& [part, g] : tightest) {
+    const double away = g.way.norm();
+    const Vec2 unit = away > 0 ? Vec2(g.way / away) : g.sample.left;
+    VectorXd row = move_along(d, g.sample, unit);
+    if (row.isZero(0)) continue;
+    if (g.in)
+      rows.add(std::move(row), away - std::min(least, away));
+    else
+      rows.add(-row, -away - least);
+  }
+}
+
 void add_fixed(const DesignCurves& d, const Samples& samples, const Shape& frame, const std::vector<Loop>& frozen,
                const Clearances& how, LinearRows& rows) {
   const double chord = 1e-3 * how.size;
   std::vector<Line> other;
   keep_in(d, Fence(frame, chord), how, rows);
-  for (const Loop& loop : frozen)
-    for (const Line& line : lines_of(loop, chord)) other.push_back(line);
-  keep_off(d, samples, other, 0.02 * how.size, how.reach, rows);
-  other.clear();
+  keep_solid(d, frame, frozen, how, rows);
   for (const Loop& loop : frame.regions)
     for (const Line& line : lines_of(loop, chord)) other.push_back(line);
   for (const Crack& crack : d.carved.cracks) {
@@ -547,14 +637,17 @@ MatrixXd curvature_guess(const NormalMoves& m, const DesignCurves& d, double siz
   return guess;
 }
 
-// At samples and at the corners of the frame between them.
-double overhang(const DesignCurves& d, const Shape& frame, double size) {
+// At samples and at the corners of the frame between them. Solid parts count half a margin around them, so that what is
+// left of them at the end is nothing.
+double overhang(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& solid, double size) {
   const Fence fence(frame, 1e-3 * size);
   double most = 0;
   for (const Sample& s : samples_of(d, at_the_frame * size).all)
     if (s.chain != none && !fence.has(s.at)) most = std::max(most, way_to(fence.lines, s.at, infinity).norm());
   for (const NearCorner& near : near_corners(d, fence, size, 2 * size))
     if (near.beyond) most = std::max(most, near.way.norm());
+  for (const Guarded& g : guarded(d, frame, solid, size, 2 * size))
+    most = std::max(most, 0.5 * of_solid * size - (g.in ? 1 : -1) * g.way.norm());
   return most;
 }
 

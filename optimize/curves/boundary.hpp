@@ -44,8 +44,8 @@ struct Clearances {
   double min_radius;  // 0: any
   double size;
 };
-/// How far the chains lie outside the frame.
-double overhang(const DesignCurves& d, const Shape& frame, double size);
+/// How far the chains lie outside the frame, or in what stays solid.
+double overhang(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& solid, double size);
 
 LinearRows clearance_rows(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& frozen,
                           const Clearances& how);

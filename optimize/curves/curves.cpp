@@ -500,13 +500,13 @@ bool CurvesRun::show() {
 
 /// A shape that lies in the frame, or no further outside than the present one.
 bool CurvesRun::is_design(const DesignCurves& d) const {
-  return is_shape(d) && overhang(d, p_.frame, size_) <= std::max(outside_, overshoot * size_);
+  return is_shape(d) && overhang(d, p_.frame, solid_, size_) <= std::max(outside_, overshoot * size_);
 }
 
 /// A step within the radius that leads to a shape: chains that would have loops or cross by themselves move less.
 VectorXd CurvesRun::step_to_shape() {
   constexpr int most = 5;
-  outside_ = overhang(x_.curves, p_.frame, size_);
+  outside_ = overhang(x_.curves, p_.frame, solid_, size_);
   VectorXd step = step_within(x_, radius_);
   for (int k = 0; k < most && !is_design(moved(x_.curves, step)); ++k) {
     bool found = false;
@@ -587,7 +587,7 @@ void CurvesRun::come_back(Point& x) const {
   constexpr int most = 8;
   constexpr double far = 0.2;  // mesh sizes
   for (int k = 0; k < most; ++k) {
-    const double before = overhang(x.curves, p_.frame, size_);
+    const double before = overhang(x.curves, p_.frame, solid_, size_);
     if (before <= outside * size_) return;
     const Linearized all = linearized(x);
     const NormalMoves moves = normal_moves(x.curves);
@@ -600,7 +600,7 @@ void CurvesRun::come_back(Point& x) const {
                                      .turn = std::vector<double>(chains, largest_angle)}));
     if (!step.allFinite()) return;
     const DesignCurves next = moved(x.curves, step);
-    if (!is_shape(next) || !(overhang(next, p_.frame, size_) < before)) return;
+    if (!is_shape(next) || !(overhang(next, p_.frame, solid_, size_) < before)) return;
     x.curves = next;
     x.area = area_of(next, &x.by_area);
     x.fresh = false;

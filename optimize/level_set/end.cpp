@@ -7,11 +7,13 @@
 
 #include "optimize/level_set/end.hpp"
 
+#include "optimize/constraints.hpp"
 #include "optimize/level_set/certificate.hpp"
 #include "optimize/loop/history_text.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace kerf {
@@ -118,6 +120,14 @@ void take_strong_phase(const LevelSetEnd& end, bool go_on, OptimizeResult& resul
   }
 }
 
+/// Whether a shape cuts what is frozen or is not its own image.
+bool breaks(const LevelSetEnd& end, const Shape& shape) {
+  OptimizeRequest asked;
+  asked.level_set.frozen = end.g.r.level_set.frozen;
+  asked.level_set.mirror = end.g.r.level_set.mirror;
+  return std::ranges::any_of(constraints_of({.shape = shape, .frame = &end.g.p.frame}, asked), is_broken);
+}
+
 }  // namespace
 
 // A design that violates nothing beats one that does, whatever J. With bounds 2 % of J are allowed to the curves,
@@ -130,6 +140,7 @@ bool curves_are_better(const LevelSetEnd& end) {
   const double before = violation_of(r, e.bounds, e.area / end.g.whole),
                after = violation_of(r, c.bounds, c.area / end.g.whole);
   if (after >= feasible_violation || before >= feasible_violation) return after < before;
+  if (breaks(end, c.shape) && !breaks(end, e.shape)) return false;
   // Curves leave room in bounds for what a finer mesh says, which costs J.
   const double meshes_differ = r.bounds.empty() ? 8e-4 : 2e-2, J = end.last ? end.last->J : c.J;
   if (J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J)) return true;

@@ -138,6 +138,9 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
   g.target = r.volume_at_most.value_or(1) * g.whole;
   g.loaded = solid.labels;
   g.holding = solid.held;
+  if (how.mirror && !are_mirrored(p.frame, scenes_of(p, r), *how.mirror))
+    g.notes.emplace_back(
+        "the loads or the supports are not their own mirror image: the design is, its stresses are not");
   hollow_corners(g);
   const double smoothing = how.smoothing > 0 ? how.smoothing : g.size;
   if (!g.turns() && how.product == LevelSetRequest::Product::Elasticity)

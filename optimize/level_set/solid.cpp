@@ -15,8 +15,9 @@ namespace kerf {
 Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std::vector<std::string>& notes) {
   // Masks that end on the outline hold its vertices, too; what is of another material may not be touched.
   Solid solid{.width = width};
-  // Frozen loops get a third of the strip, so that the vertices of the canvas next to them count as inside.
-  for (const Loop& loop : r.level_set.frozen) solid.loops.emplace_back(loop, width / 3);
+  // Frozen loops get two thirds of the strip, an edge of the canvas: linear functions there, smoothing and fits of
+  // curves take less.
+  for (const Loop& loop : r.level_set.frozen) solid.loops.emplace_back(loop, 2 * width / 3);
   for (const Loop& loop : p.frame.regions) solid.loops.emplace_back(loop, width);
   const auto stays = [&solid](Index label) {
     if (label != none && std::find(solid.labels.begin(), solid.labels.end(), label) == solid.labels.end())

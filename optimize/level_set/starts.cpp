@@ -8,7 +8,7 @@
 #include "optimize/level_set/starts.hpp"
 
 #include "base/parallel.hpp"
-#include "geometry/plane.hpp"
+#include "optimize/constraints/sides.hpp"
 #include "optimize/density/density.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/start.hpp"
@@ -23,26 +23,23 @@ namespace kerf {
 
 namespace {
 
-/// Signed distance to a body inside the frame.
-/// By all distances: it is made once per run.
-Eigen::VectorXd distance_to(const Ground& g, const Shape& body) {
-  std::vector<Polygon> loops;
-  const auto add = [&](const Loop& loop) {
-    loops.push_back(flatten(loop, 0.01 * g.size, extent({.outline = loop}) / 20));
-  };
-  add(body.outline);
-  for (const Loop& hole : body.holes) add(hole);
-  Eigen::VectorXd phi(g.background.lumped.size());
+/// Signed distance to a body inside the frame, negative in it.
+/// What lies on its boundary, as vertices on the frame's do, is in it where the triangles beside it are.
+Eigen::VectorXd distance_to(const Ground& g, const Shape& given) {
+  const Region body(given);
+  const BackgroundMesh& b = g.background;
+  const double least = 1e-3 * b.size;
+  std::vector<double> beside(b.mesh.points.size(), -infinity);  // the largest depth of a triangle's middle
+  for (const auto& t : b.mesh.triangles) {
+    const auto point = [&](Index v) { return b.mesh.points[std::size_t(v)]; };
+    const double depth = body.depth((point(t[0]) + point(t[1]) + point(t[2])) / 3);
+    for (const Index v : t) beside[std::size_t(v)] = std::max(beside[std::size_t(v)], depth);
+  }
+  Eigen::VectorXd phi(b.lumped.size());
   for (Eigen::Index v = 0; v < phi.size(); ++v) {
-    const Vec2& x = g.background.mesh.points[static_cast<std::size_t>(v)];
-    double least = infinity;
-    bool in = false;  // an odd number of loops
-    for (const Polygon& loop : loops) {
-      in = in != inside(loop.points, x);
-      for (std::size_t i = 0; i < loop.points.size(); ++i)
-        least = std::min(least, distance(x, loop.points[i], loop.points[(i + 1) % loop.points.size()]));
-    }
-    phi[v] = in ? -std::max(least, 1e-3 * g.background.size) : least;
+    const double depth = body.depth(b.mesh.points[std::size_t(v)]);
+    const bool in = std::abs(depth) > least ? depth > 0 : beside[std::size_t(v)] > least;
+    phi[v] = in ? -std::max(std::abs(depth), least) : std::abs(depth);
   }
   return phi;
 }

@@ -206,7 +206,7 @@ double in_notch(const Vec2& x) {
 TEST(CurvesAtCorners, OverhangIsHowFarTheBodyCoversACorner) {
   const Problem p = angle_bracket(0.1);
   DesignCurves d = curves_of(p, beside_the_corner(p), {0, 2});
-  EXPECT_EQ(overhang(d, p.frame, 0.1), 0);
+  EXPECT_EQ(overhang(d, p.frame, {}, 0.1), 0);
   VectorXd out = VectorXd::Zero(d.variables);
   for (const KnotHold& hold : d.holds[0])
     if (hold.kind == KnotHold::Kind::Free) out[hold.offset] = -0.15;  // to the right of the chain is the void
@@ -219,7 +219,7 @@ TEST(CurvesAtCorners, OverhangIsHowFarTheBodyCoversACorner) {
     away = std::min(away, distance(Vec2(1, 1), polygon.points[i], polygon.points[(i + 1) % polygon.points.size()]));
   }
   EXPECT_GT(std::max(deep, away), 0.03);
-  EXPECT_NEAR(overhang(d, p.frame, 0.1), std::max(deep, away), 0.01);
+  EXPECT_NEAR(overhang(d, p.frame, {}, 0.1), std::max(deep, away), 0.01);
 }
 
 TEST(CurvesAtCorners, NoStepCoversTheNotch) {
@@ -242,7 +242,7 @@ TEST(CurvesAtCorners, WhatTheFitLeavesOutsideComesBack) {
   sides[5].start = {0.985, 1.3};
   sides[6].start = {0.97, 2};
   carved.area = area(carved.shape);
-  EXPECT_GT(overhang(curves_of(p, carved, {0, 2}), p.frame, 0.15), 0.003);
+  EXPECT_GT(overhang(curves_of(p, carved, {0, 2}), p.frame, {}, 0.15), 0.003);
   const FinishedCurves f = finish_curves(p, as_light(p, carved), carved, {.evaluations = 4}, {});
   for (const Vec2& x : flatten(f.shape.outline, 1e-3, 0.02).points) EXPECT_LT(in_notch(x), 0.01 * 0.15);
 }

@@ -4,12 +4,15 @@
 #include "optimize/curves.hpp"
 
 #include "kerf/shape_gradient.hpp"
+#include "optimize/constraints.hpp"
 #include "optimize/curves/curve_mesh.hpp"
 #include "optimize/curves/fit.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "tests/optimize/curves.hpp"
 
 #include <gtest/gtest.h>
+
+#include <random>
 
 namespace kerf::curves_test {
 using Eigen::VectorXd;
@@ -296,6 +299,28 @@ TEST(Curves, KeepOffWhatMayNotBeTouched) {
     EXPECT_GT((x - Vec2(0.72, 0.18)).norm(), 0.08 + 0.4 * 0.12) << x.transpose();
     EXPECT_GT((x - Vec2(0.6, 0.45)).norm(), 0.1) << x.transpose();
     EXPECT_GT(std::abs(x.norm() - 0.7), 0.4 * 0.12 * (std::abs(std::atan2(x.y(), x.x()) - 1.1) < 0.2)) << x.transpose();
+  }
+}
+
+// Discs and triangles that the carved hole cuts into: what is solid comes back before anything is solved, and stays.
+TEST(Curves, NoFrozenPartIsCut) {
+  std::mt19937 bits(7);
+  const auto dice = [&](double a, double b) { return a + (b - a) * (double(bits()) / double(std::mt19937::max())); };
+  for (int k = 0; k < 8; ++k) {
+    const Problem p = scenes::quarter_plate(2, 0.2);
+    const Carved carved = scenes::quarter_hole(p, 0.6, 12);
+    OptimizeRequest r = stiffest(p, carved);
+    const double t = dice(0.15, pi / 2 - 0.15), R = dice(0.05, 0.3), cut = dice(0, 0.1);
+    const Vec2 way(std::cos(t), std::sin(t)), side(-way.y(), way.x());
+    r.level_set.frozen = {circle("disc", (0.6 + R - cut) * way, R, none)};
+    if (k % 2 == 1)
+      r.level_set.frozen = {polygon(
+          "tip", {(0.6 - cut) * way, (0.6 + R) * way - 0.5 * R * side, (0.6 + R) * way + 0.7 * R * side}, none)};
+    EXPECT_GT(intrusion(carved.shape, p.frame, r.level_set.frozen[0]).depth, 0.0) << k;
+    const FinishedCurves f = finish_curves(p, r, carved, {.evaluations = 5}, {});
+    const Intrusion left = intrusion(f.shape, p.frame, r.level_set.frozen[0]);
+    EXPECT_EQ(left.depth, 0) << k << ": at " << left.at.transpose() << ", " << f.why;
+    EXPECT_EQ(left.share, 0);
   }
 }
 
