@@ -33,7 +33,7 @@ class Halves {
     const auto kept = [&](const DrawnSide& s) { return height(at(s, 0.5)) > near_; };
     const std::size_t n = cut.size();
     std::vector<std::vector<DrawnSide>> all;
-    if (std::ranges::all_of(cut, kept)) return {cut, image(cut)};
+    if (std::ranges::all_of(cut, kept)) return {cut, joined(image(cut))};
     std::size_t first = 0;
     while (first < n && (!kept(cut[first]) || kept(cut[(first + n - 1) % n]))) ++first;
     if (first == n) return {};
@@ -119,7 +119,13 @@ class Halves {
 
   std::vector<DrawnSide> image(const std::vector<DrawnSide>& run) const {
     std::vector<DrawnSide> all;
-    for (auto s = run.rbegin(); s != run.rend(); ++s) all.push_back(image(*s));
+    for (auto s = run.rbegin(); s != run.rend(); ++s) {
+      const DrawnSide there = image(*s);
+      if (is_drawn(*s))
+        all.push_back(there);
+      else
+        add_on_frame(there, all);
+    }
     return all;
   }
 
@@ -127,39 +133,66 @@ class Halves {
     DrawnSide out = s;
     out.a = at_corner(image_of(mirror_, s.b));
     out.b = at_corner(image_of(mirror_, s.a));
-    const Vec2 middle = image_of(mirror_, at(s, 0.5));
     if (s.arc) {
-      const double twice = 2 * std::atan2(along_.y(), along_.x());
+      const Mat2 reflection = 2 * along_ * along_.transpose() - Mat2::Identity();
       out.arc->center = image_of(mirror_, s.arc->center);
-      out.arc->from = twice - s.arc->to;
-      out.arc->to = twice - s.arc->from;
+      out.arc->axes = reflection * s.arc->axes;
+      out.arc->from = s.arc->to;
+      out.arc->to = s.arc->from;
     }
-    if (is_drawn(s)) return out;
-    out.label = none;
+    return out;
+  }
+
+  /// A side that lies on the frame as the frame has it there: its corners, its labels, which are no images, its arcs.
+  void add_on_frame(const DrawnSide& s, std::vector<DrawnSide>& out) const {
+    std::vector<std::pair<double, Vec2>> cuts;
     for (const DrawnSide& f : frame_sides_) {
-      if (f.arc.has_value() != s.arc.has_value() || (at(f, nearest(f, middle)) - middle).norm() > 1e3 * near_) continue;
+      const double part = nearest(s, f.a);
+      if ((at(s, part) - f.a).norm() <= near_ && (f.a - s.a).norm() > near_ && (f.a - s.b).norm() > near_)
+        cuts.emplace_back(part, f.a);
+    }
+    std::ranges::sort(cuts, {}, &std::pair<double, Vec2>::first);
+    cuts.emplace_back(1, s.b);
+    double from = 0;
+    Vec2 start = s.a;
+    for (const auto& [part, end] : cuts) {
+      out.push_back(of_frame(start, at(s, 0.5 * (from + part)), end));
+      from = part;
+      start = end;
+    }
+  }
+
+  /// From a to b by way of the middle along one side of the frame. No label: there is none.
+  DrawnSide of_frame(const Vec2& a, const Vec2& middle, const Vec2& b) const {
+    DrawnSide out{.a = a, .b = b};
+    for (const DrawnSide& f : frame_sides_) {
+      if ((at(f, nearest(f, middle)) - middle).norm() > 1e3 * near_) continue;
       out.label = f.label;
-      out.keep = f.keep && out.a == f.a && out.b == f.b;
+      out.smooth = f.smooth;
+      out.keep = f.keep && a == f.a && b == f.b;
       if (f.arc) {
-        const double a = parameter(*f.arc, out.a), t = parameter(*f.arc, middle), b = parameter(*f.arc, out.b);
+        const double first = parameter(*f.arc, a), t = parameter(*f.arc, middle), last = parameter(*f.arc, b);
         out.arc = f.arc;
-        out.arc->from = t + std::remainder(a - t, 2 * pi);
-        out.arc->to = t + std::remainder(b - t, 2 * pi);
+        out.arc->from = t + std::remainder(first - t, 2 * pi);
+        out.arc->to = t + std::remainder(last - t, 2 * pi);
       }
       break;
     }
     return out;
   }
 
-  /// Sides of the frame that the line had cut in two.
+  bool is_corner(const Vec2& x) const {
+    return std::ranges::any_of(frame_sides_, [&](const DrawnSide& s) { return (s.a - x).norm() <= near_; });
+  }
+
+  /// Sides of the frame that the line, or an image of one of its corners, had cut in two.
   std::vector<DrawnSide> joined(std::vector<DrawnSide> loop) const {
     for (std::size_t i = 0; i < loop.size() && loop.size() > 3;) {
       DrawnSide& s = loop[i];
       const std::size_t k = (i + 1) % loop.size();
       const DrawnSide& next = loop[k];
-      const bool cut = std::abs(height(s.b)) <= near_ && !is_drawn(s) && s.label == next.label &&
-                       s.arc.has_value() == next.arc.has_value() &&
-                       std::abs(cross(tangent(s, 1), tangent(next, 0))) < 1e-9 &&
+      const bool cut = !is_drawn(s) && s.label == next.label && s.arc.has_value() == next.arc.has_value() &&
+                       !is_corner(s.b) && std::abs(cross(tangent(s, 1), tangent(next, 0))) < 1e-9 &&
                        tangent(s, 1).dot(tangent(next, 0)) > 0;
       if (!cut) {
         ++i;

@@ -171,6 +171,14 @@ BackgroundMesh background_mesh(Mesh mesh, const Solid& solid, const std::optiona
       if (image.weight.minCoeff() < -1e-3) image.triangle = none;
       b.image.push_back(image);
     }
+    // Images of what stays solid stay so, too.
+    const Eigen::VectorXd own = b.frozen;
+    for (Eigen::Index v = 0; v < own.size(); ++v) {
+      const BackgroundMesh::Image& image = b.image[static_cast<std::size_t>(v)];
+      if (image.triangle == none) continue;
+      const auto& corner = b.mesh.triangles[static_cast<std::size_t>(image.triangle)];
+      b.frozen[v] = std::min(own[v], image.weight.dot(Eigen::Vector3d(own[corner[0]], own[corner[1]], own[corner[2]])));
+    }
   }
   return b;
 }

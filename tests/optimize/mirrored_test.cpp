@@ -121,6 +121,38 @@ TEST(Mirrored, ArcsOfTheFrameStayTheFramesOwn) {
   }
 }
 
+// A side of the frame that bears something on one side of the line alone stays where it is, and whole.
+TEST(Mirrored, LabelsOfTheFrameStayWhereTheyAre) {
+  Dice dice(4);
+  for (int k = 0; k < 40; ++k) {
+    Turned t = turned(dice, k % 4);
+    const auto mark = [&](std::size_t side, Index label) {
+      std::vector<Side>& sides = t.frame.outline.sides;
+      const Vec2 a = sides[side].start, b = sides[(side + 1) % sides.size()].start;
+      const double low = dice.between(0.05, 0.6), high = low + 0.3;
+      sides.insert(sides.begin() + std::ptrdiff_t(side) + 1,
+                   {{(1 - low) * a + low * b, label, {}}, {(1 - high) * a + high * b, sides[side].label, {}}});
+    };
+    mark(3, 4);
+    mark(1, 5);
+    t.frame.labels = {"a", "b", "c", "d", "load", "held"};
+    Shape body = t.frame;
+    body.labels.push_back("design");
+    body.holes.push_back(polygon("hole", {t.at(0.1, 0.2), t.at(0.9, 0.3), t.at(0.4, 0.9)}, 6));
+    for (const double side : {1.0, -1.0}) {
+      const std::optional<Shape> whole = symmetric(body, t.frame, t.mirror, side);
+      ASSERT_TRUE(whole) << k;
+      ASSERT_EQ(whole->outline.sides.size(), t.frame.outline.sides.size()) << k;
+      for (const Side& f : t.frame.outline.sides) {
+        bool found = false;
+        for (const Side& s : whole->outline.sides)
+          found = found || ((f.start - s.start).norm() < 1e-12 && f.label == s.label);
+        EXPECT_TRUE(found) << k;
+      }
+    }
+  }
+}
+
 TEST(Mirrored, LoadsAreLookedAtSideBySide) {
   Dice dice(3);
   for (int k = 0; k < 20; ++k) {
