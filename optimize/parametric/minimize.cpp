@@ -32,6 +32,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double short_reach = 0.05;  // of restarts
+
 bool same(const VectorXd& a, const VectorXd& b) {
   return a.size() == b.size() && (a.array() == b.array()).all();
 }
@@ -137,6 +139,7 @@ class Run {
   const Evaluation* best_ = nullptr;
   double best_kkt_ = nan;
   double first_scale_ = 0, nlopt_scale_ = 1;
+  bool is_restart_ = false;
   int evaluations_ = 0;
   End end_ = End::None;
   bool with_gradients_ = true;  // always, or never: a line search asks for values first, and for the rest afterwards
@@ -238,11 +241,7 @@ const Evaluation& Run::evaluate(const VectorXd& x, bool gradients) {
     if (std::find(failures_.begin(), failures_.end(), e->failure) == failures_.end()) failures_.push_back(e->failure);
     answer(*e, gradients);
   }
-  if (first) {
-    // NLopt sees the objective over its scale at the start.
-    first_scale_ = scale_of(*e, program_.lower, program_.upper);
-    nlopt_scale_ = first_scale_ > 0 ? first_scale_ : 1;
-  }
+  if (first) first_scale_ = scale_of(*e, program_.lower, program_.upper);
   ++evaluations_;
   seen_.push_back(std::move(e));
   weigh_up(*seen_.back());
@@ -329,6 +328,12 @@ nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   nlopt_set_lower_bounds(opt_, zero.data());
   nlopt_set_upper_bounds(opt_, one.data());
   if (m > 0) nlopt_add_inequality_mconstraint(opt_, m, constraints, this, tolerance.data());
+  // NLopt sees the objective over its scale. The first step of slsqp is as long as the slope: a restart begins with
+  // short ones, since it is near a minimum, where long ones may end at designs that cannot be evaluated.
+  const double scale = is_restart_ ? scale_of(*best_, program_.lower, program_.upper) : first_scale_;
+  const double reach = method == OptimizeMethod::Slsqp ? (is_restart_ ? short_reach : stop_.reach) : 1;
+  nlopt_scale_ = scale > 0 ? scale / reach : 1;
+  is_restart_ = true;
   // In shares of the boxes; for cobyla at least 1e-4.
   nlopt_set_xtol_abs1(opt_, simplex ? std::max(stop_.step, 1e-4) : stop_.step);
   nlopt_set_ftol_rel(opt_, stop_.value);
@@ -411,8 +416,9 @@ Minimum Run::minimize(OptimizeMethod method) {
       found.reason = fmt::format("{}, but {}", said, wrong);
       break;
     }
-    found.notes.push_back(fmt::format("{}, but {}: went on from there with mma", said, wrong));
-    now = OptimizeMethod::Mma;
+    // Anew, where that has made progress: with another start of its quadratic model a method often goes on.
+    if (!progress(before)) now = OptimizeMethod::Mma;
+    found.notes.push_back(fmt::format("{}, but {}: went on from there with {}", said, wrong, word(now)));
   }
   report(found);
   return found;

@@ -48,6 +48,7 @@ struct Stop {
   double step = 1e-7;         // change of the variables, relative to their boxes; 1e-4 for cobyla
   double value = 1e-8;        // relative change of the objective
   double simplex = 0.1;       // cobyla: its first steps, relative to the boxes
+  double reach = 1;           // slsqp: its first step, relative to the boxes, where the slope is as large as J
 };
 
 struct Minimum {

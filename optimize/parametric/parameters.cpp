@@ -1,10 +1,14 @@
 // Minimization over the variables of a design in rounds, each on a fresh mesh that follows the design, until a round
-// lowers J by less than the tolerance. The derivative is checked once against central differences along one direction,
-// with three steps as contact may change within the longer ones. After every evaluation the checkpoint has all of it; a
-// run that resumes replays evaluations in their order and refuses a checkpoint whose designs are not those that it asks
-// for. Of several starts the best one goes on (starts.cpp). When a round changes little, the design is solved on a
-// finer mesh. Bounds that are violated there allow less from then on, twice at most, and rounds go on. At the end it is
-// judged there (optimize/loop/finish.cpp). docs/theory/level_set.md, section "Drawn designs".
+// lowers J by less than the tolerance. Every round but the first is a restart that confirms the end of the one before:
+// its residuals are relative to what J is now, not to what it was at the start of all, which makes every end of a bad
+// start look like an optimum. Where J has gone to zero, as misfits and release rates do, they are relative to what J
+// errs by on the mesh, by the finer mesh, where that is more. The derivative is checked once against central
+// differences along one direction, with three steps as contact may change within the longer ones. After every
+// evaluation the checkpoint has all of it; a run that resumes replays evaluations in their order and refuses a
+// checkpoint whose designs are not those that it asks for. Of several starts the best one goes on (starts.cpp). When a
+// round changes little, the design is solved on a finer mesh. Bounds that are violated there allow less from then on,
+// twice at most, and rounds go on. At the end it is judged there (optimize/loop/finish.cpp). docs/theory/level_set.md,
+// section "Drawn designs".
 
 #include "kerf/optimize.hpp"
 
@@ -32,6 +36,18 @@ using Eigen::VectorXd;
 
 constexpr double feasibility = 1e-6;  // relative violations that do not count
 constexpr int most_rooms = 2;         // times that bounds are made to leave room
+constexpr double fallen = 0.1;        // of J at the start: below it, what is left may be the error of the mesh
+
+/// Squares, gaps and release rates: the least that they can be is 0.
+bool vanishes(const Term& t) {
+  return t.measured || t.release_along || (!t.linear && !t.energy && !t.volume && !t.work && !(t.stress_power > 0));
+}
+bool is_never_negative(const Term& t) {
+  return vanishes(t) || t.volume || t.work || t.stress_power > 0;
+}
+bool all_of_terms(const Functional& j, bool (*holds)(const Term&)) {
+  return std::ranges::all_of(j.terms, [&](const Term& t) { return t.factor >= 0 && holds(t); });
+}
 
 // Evaluations as numbers, for the checkpoint.
 constexpr Eigen::Index head = 11;
@@ -139,6 +155,8 @@ class Rounds {
   void note(const Minimum& found);
   bool settled(const Iteration& begin, const Iteration& end, bool feasible) const;
   FinerDesign solve_finer_design(const VectorXd& x) const;
+  const FinerDesign& finer_design_of(const VectorXd& x);
+  double error_by_mesh(const Iteration& row);
   bool leave_room(const Iteration& row);
   OptimizeResult finish(const Minimum& found, std::size_t best);
   bool wants_gradients() const {
@@ -171,6 +189,7 @@ class Rounds {
   bool more_room_ = false;       // in the round that begins
   VectorXd finer_at_;            // the design that finer_ is of
   FinerDesign finer_;
+  double mesh_error_ = 0;  // of J at the end of the last round, where J goes to zero
   double accepted_merit_ = nan, accepted_violation_ = nan;
 };
 
@@ -347,12 +366,13 @@ void Rounds::note(const Minimum& found) {
   }
 }
 
-/// Whether a round from `begin` to `end` changed little.
+/// Whether a round from `begin` to `end` changed little: by less than the tolerance of J, or than what the mesh errs
+/// by.
 bool Rounds::settled(const Iteration& begin, const Iteration& end, bool feasible) const {
   const double scale = std::max(std::abs(begin.merit), std::abs(end.merit));
   const bool was_feasible = begin.violation <= feasibility;
   return was_feasible == feasible &&
-         (feasible ? begin.merit - end.merit <= request_.tolerance * scale
+         (feasible ? begin.merit - end.merit <= std::max(request_.tolerance * scale, mesh_error_)
                    : begin.violation - end.violation <= request_.tolerance * begin.violation);
 }
 
@@ -427,6 +447,23 @@ FinerDesign Rounds::solve_finer_design(const VectorXd& x) const {
   return solve_finer(std::move(judged), request_, body.shape, evaluations_.frame_area());
 }
 
+const FinerDesign& Rounds::finer_design_of(const VectorXd& x) {
+  if (finer_at_.size() == 0 || finer_at_ != x) {
+    finer_ = solve_finer_design(x);
+    finer_at_ = x;  // the end asks for the same design
+  }
+  return finer_;
+}
+
+/// What J errs by on the mesh of the steps, by the finer one, where it goes to zero and has fallen far.
+double Rounds::error_by_mesh(const Iteration& row) {
+  const double first = std::abs(result_.history.front().objective);
+  if (!all_of_terms(problem_.objective, vanishes) || !(std::abs(row.objective) <= fallen * first)) return 0;
+  const FinerDesign& finer = finer_design_of(row.variables);
+  state_solves_ += static_cast<int>(std::max<std::size_t>(1, request_.load_cases.size()));
+  return finer.failure.empty() ? std::abs(finer.objective - row.objective) : 0;
+}
+
 /// Where a finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
 /// What was decided before an interruption is read back, not decided anew.
@@ -439,10 +476,7 @@ bool Rounds::leave_room(const Iteration& row) {
     in.end();
     at_most_.assign(tight.begin(), tight.end());
   } else {
-    finer_ = solve_finer_design(row.variables);
-    // Kept: the end asks for the same design on that mesh.
-    finer_at_ = row.variables;
-    std::vector<double> tight = with_more_room(finer_, request_, at_most_, row.bounds);
+    std::vector<double> tight = with_more_room(finer_design_of(row.variables), request_, at_most_, row.bounds);
     if (tight.empty()) return false;
     at_most_ = std::move(tight);
     checkpoint_.numbers[key] = Eigen::Map<const VectorXd>(at_most_.data(), static_cast<Eigen::Index>(at_most_.size()));
@@ -473,6 +507,8 @@ OptimizeResult Rounds::run() {
   Minimum found;
   std::size_t best = 0;  // row of the history
   double scale = 0;      // of derivatives, at the start of all
+  // What may cross zero has no scale of its own.
+  const bool scaled_anew = all_of_terms(problem_.objective, is_never_negative) && request_.volume_penalty >= 0;
   constexpr int most_rounds = 25;
   for (int round = 0;; ++round) {
     const std::size_t first = result_.history.size();
@@ -484,19 +520,26 @@ OptimizeResult Rounds::run() {
     found = minimize(asked, x, method,
                      {.evaluations = evaluations,
                       .kkt = request_.tolerance,
-                      .scale = scale,
+                      .scale = round > 0 && scaled_anew ? mesh_error_ : scale,
                       .feasibility = feasibility,
-                      .value = 1e-3 * request_.tolerance,
-                      .simplex = round == 0 ? 0.1 : 0.02});
+                      .value = (round == 0 ? 1e-3 : 1e-6) * request_.tolerance,
+                      .simplex = round == 0 ? 0.1 : 0.02,
+                      .reach = round == 0 ? 1 : 0.05});
     note(found);
     x = found.best.x;
     // Rows know their variables: the best design is the last row that has them.
     best = first;
     for (std::size_t i = first; i < result_.history.size(); ++i)
       if (result_.history[i].variables == x) best = i;
-    if (found.asked_to_stop || left() < 1) break;
-    if (settled(result_.history[first], result_.history[best], found.feasible) && !leave_room(result_.history[best]))
+    if (found.asked_to_stop) break;
+    mesh_error_ = error_by_mesh(result_.history[best]);
+    const bool is_settled = settled(result_.history[first], result_.history[best], found.feasible);
+    if (left() < 1) {
+      if (!is_settled && found.converged) found.reason = "all evaluations are used before a restart could confirm it";
+      found.converged = found.converged && is_settled;
       break;
+    }
+    if (is_settled && !leave_room(result_.history[best])) break;
     if (round + 1 == most_rounds) {
       found.converged = false;
       found.reason = fmt::format("{} rounds on fresh meshes did not settle", most_rounds);
