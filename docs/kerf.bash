@@ -254,6 +254,7 @@ optimize.least_squares
 optimize.least_squares.noise
 optimize.defects.at_most
 optimize.hole[0].name
+optimize.hole[0].count
 optimize.hole[0].circle.center
 optimize.hole[0].circle.radius
 optimize.hole[0].ellipse.center
@@ -267,11 +268,13 @@ optimize.hole[0].start.semi_axes
 optimize.hole[0].start.angle_deg
 optimize.hole[0].start.points
 optimize.crack[0].name
+optimize.crack[0].count
 optimize.crack[0].path
 optimize.crack[0].contact
 optimize.crack[0].start
 optimize.crack[0].start.path
 optimize.region[0].name
+optimize.region[0].count
 optimize.region[0].circle.center
 optimize.region[0].circle.radius
 optimize.region[0].young

@@ -97,6 +97,7 @@ void fit_readings(const OptimizeTask& task, const OptimizeRequest& request, cons
   r.shape = std::move(body.shape);
   r.scene = std::move(body.scene);
   r.state_solves += out.fit->state_solves;
+  judge_fit(task.problem, request, *out.fit, r);
 }
 
 Picture found_picture(const OptimizeTask& task, const OptimizeRequest& request, const OptimizeSection& out,

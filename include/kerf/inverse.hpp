@@ -122,19 +122,63 @@ struct UncertaintyEllipse {
   double angle = 0;  // radians, of the first axis
 };
 
+/// A combination of the unknowns that is independent of the other ones in what the readings tell of it. Every unknown
+/// is measured in its box, so that the combination of a point anywhere in the boxes has the deviation 1/sqrt(12).
+struct Combination {
+  Eigen::VectorXd weights;      // of all variables, of length 1
+  double deviation = infinity;  // in boxes; NaN: not known
+  bool fixed = false;           // it is less than that of a point anywhere in the boxes
+};
+
+/// What the readings say of the model, with what evidence [theory: I.8, I.9].
+enum class FitVerdict {
+  Explained,    // chi2 is what the noise makes it
+  Untested,     // the noise is not known, or no reading is left to test anything by
+  Coarse,       // chi2 is too large, and by no more than the mesh may be to blame for
+  Unexplained,  // chi2 is too large, on the finer mesh, too, even without what that mesh has changed
+  Undetermined  // the readings leave combinations of the unknowns open
+};
+inline constexpr std::array<std::string_view, 5> fit_verdict_words{
+    "explained", "untested", "the mesh is too coarse for the noise", "the model does not explain the readings",
+    "not enough readings"};
+constexpr std::string_view word(FitVerdict verdict) {
+  return fit_verdict_words[static_cast<std::size_t>(verdict)];
+}
+
 /// chi2 = sum of |u(x_i) - m_i|^2 over the sensors, and where it is least.
 struct LeastSquares {
   Eigen::VectorXd variables;
   int readings = 0;               // components
   double start = nan, end = nan;  // chi2, each on a mesh of its own
-  double noise = 0;               // given, or sqrt(end / (readings - variables that are free))
+  double noise = 0;               // given, or sqrt(end / (readings - variables that are free)); NaN: not known
   bool estimated = false;         // the latter
   int steps = 0, state_solves = 0;
-  double optimality = nan;     // largest cosine between the misfit and a column of its derivative
-  Eigen::MatrixXd covariance;  // noise^2 (J'J)^-1; zero for variables that are fixed or at a bound
-  std::vector<UncertaintyEllipse> ellipses;
-  std::string stopped;  // why it ended, in words
+  double optimality = nan;                   // largest cosine between the misfit and a column of its derivative
+  Eigen::MatrixXd covariance;                // noise^2 (J'J)^-1; zero for variables that are fixed or at a bound
+  std::vector<UncertaintyEllipse> ellipses;  // of places that the readings fix, where the model is not refuted
+  std::string stopped;                       // why it ended, in words
+  double gain = nan;   // by which a step within the boxes could lower chi2, over the variance of the noise
+  double finer = nan;  // chi2 on the finer mesh, less what the variables could lower it by there
+  double mesh = nan;   // the square of what that mesh changes of the misfit, less the same
+  std::array<double, 2> expected{nan, nan};    // 95 % of chi2 by the noise alone lie between, over the variance
+  double most = nan;                           // 99.9 % lie below, over the variance
+  std::vector<Combination> combinations = {};  // as many as there are unknowns, the surest first
+  FitVerdict verdict = FitVerdict::Untested;
 };
+
+/// How many combinations the readings fix.
+int rank_of(const LeastSquares& fit);
+/// The deviation of a variable; NaN: a number would claim more than is known, since the model is refuted, the readings
+/// do not fix the variable, or it is fixed or at a bound.
+double deviation_of(const LeastSquares& fit, Eigen::Index variable);
+/// Whether the readings tell of a variable more than its box does.
+bool is_fixed(const LeastSquares& fit, Eigen::Index variable);
+/// "0.71 h.x - 0.7 h.radius": the weights in boxes, without the small ones.
+std::string in_words(const Combination& c, const std::vector<std::string>& names);
+
+/// Judges the result of an optimization whose design is that of the fit: the design on the finer mesh, the ending and
+/// why. "optimal" only where the sum is least, the readings fix all unknowns, and chi2 does not refute the model.
+void judge_fit(const Problem& problem, const OptimizeRequest& request, const LeastSquares& fit, OptimizeResult& result);
 
 /// Levenberg and Marquardt from `start` over the free variables of the design, within its bounds and the constraints
 /// that keep designs meshable [theory: I.4]. Derivatives are exact: difference quotients find the space that the
@@ -148,27 +192,34 @@ LeastSquares least_squares(const Problem& problem, const OptimizeRequest& reques
 /// deviation; `names` of the variables.
 std::vector<std::string> in_words(const LeastSquares& fit, const std::vector<std::string>& names);
 
-/// The fit with so many of what the design draws.
+/// The fit with so many of each thing that the design draws.
 struct Counted {
-  int count = 0;
+  int count = 0;             // of all together
+  std::vector<int> of;       // of each
   Design design;             // its starts are what was found
   LeastSquares fit = {};     // of none: no variables
+  int variables = 0;         // that are free
   double criterion = nan;    // of Bayes and Schwarz [theory: I.7]
-  std::string failure = {};  // why there is no fit; empty mostly
+  double aicc = nan;         // of Akaike, corrected for few readings [theory: I.10]
+  std::string failure = {};  // why it is not chosen; empty mostly
 };
 
-/// How many are there: fits with 0, 1, ... at_most copies of the one thing that the design draws, each begun from the
-/// map (initial_guess), until two in a row have not been better. `chosen` in `tried` is the least count that no larger
-/// one beats by 6. A count with a phantom is not chosen: a thing that is smaller than twice the deviation of its size,
-/// or as small as its box allows.
+/// How many are there, and of which kind: fits with 0, 1, ... at_most copies of what the design draws, in every mixture
+/// of its things, each begun from the map (initial_guess), until two numbers in a row have not been better. `chosen` in
+/// `tried` has the least criterion of the least number that no larger one beats by 6. A fit with a phantom is not
+/// chosen: a thing that is smaller than twice the deviation of its size, or as small as its box allows; nor one with as
+/// many variables as readings.
 struct Count {
   std::vector<Counted> tried;
   std::size_t chosen = 0;
+  std::vector<std::string> things;  // names of what is counted
 };
 Count count_defects(const Problem& problem, const OptimizeRequest& request, const Readings& readings, int at_most);
 /// "2 defects by the criterion of Bayes and Schwarz: 0: 812.4, 1: 130.2, 2: 101.0, ...".
 std::string in_words(const Count& count);
-/// `count` copies of the one thing that the design draws, named "<name>_1", ...; one keeps its name.
-Design copies(const Design& design, int count);
+/// A line for every fit: what, how many variables, chi2 per reading or the noise that it would take, both criteria.
+std::vector<std::string> table_in_words(const Count& count);
+/// So many copies of every thing that the design draws, named "<name>_1", ...; one keeps its name.
+Design copies(const Design& design, const std::vector<int>& counts);
 
 }  // namespace kerf

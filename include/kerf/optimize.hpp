@@ -121,9 +121,15 @@ struct Iteration {
   Eigen::VectorXd variables = {};  // NLopt methods
 };
 
-/// How an optimization ended. Optimal: its conditions hold to the residuals printed, on a finer mesh, too.
-enum class Ending { Optimal, Stalled, BudgetUsed, Infeasible };
-inline constexpr std::array<std::string_view, 4> ending_words{"optimal", "stalled", "budget used", "infeasible"};
+/// How an optimization ended. Optimal: its conditions hold to the residuals printed, on a finer mesh, too. The last two
+/// are of inverse problems.
+enum class Ending { Optimal, Stalled, BudgetUsed, Infeasible, Unexplained, Undetermined };
+inline constexpr std::array<std::string_view, 6> ending_words{"optimal",
+                                                              "stalled",
+                                                              "budget used",
+                                                              "infeasible",
+                                                              "the model does not explain the readings",
+                                                              "not enough readings"};
 constexpr std::string_view word(Ending ending) {
   return ending_words[static_cast<std::size_t>(ending)];
 }
@@ -203,6 +209,7 @@ struct StartTried {
   bool in_full = false;                       // went on to the end; otherwise it was only ranked, on a coarse mesh
   int state_solves = 0;
   std::string failure = {};  // why it could not be evaluated; empty mostly
+  int end = 0;               // number of the end that it came to, the best one 1; 0: none
 };
 
 struct OptimizeResult {

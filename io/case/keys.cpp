@@ -39,6 +39,7 @@ constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
 constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"};
 constexpr std::array<View, 1> from_map{"map"};
+constexpr std::array<View, 1> counted{"auto"};
 constexpr KeyWords drawn_laws = KeyWords(crack_law_words).first(2);  // a crack that is sought has faces
 
 constexpr std::array<View, 5> law_words{"quasi-static", "paris", "walker", "forman", "nasgro"};
@@ -947,16 +948,28 @@ constexpr Key rows[] = {
     {"optimize.defects",
      Table,
      {.with = methods_of_drawn},
-     "Inverse problems: how many there are of the one thing drawn is read off the readings; goes with start = \"map\", "
+     "Inverse problems: how many there are of what is drawn is read off the readings, in every mixture of several "
+     "things; goes with start = \"map\", "
      "and asks for least_squares.",
      "{ at_most = 5 }",
      "as many as are drawn"},
-    {"optimize.defects.at_most", Whole, {.range = {1, 20}, .required = true}, "No more than these are tried.", "5"},
+    {"optimize.defects.at_most",
+     Whole,
+     {.range = {1, 20}, .required = true},
+     "No more than these are tried; 5 with count alone.",
+     "5"},
     {"optimize.hole[]",
      Tables,
      {.with = methods_of_drawn},
      "A hole that is moved: a box [low, high] per number; a number alone is fixed."},
     {"optimize.hole[].name", Name, {}, "In messages and tables.", "\"h\"", "hole_1, ..."},
+    {"optimize.hole[].count",
+     Word,
+     {.words = counted},
+     "Inverse problems: auto: how many there are, 0 to defects.at_most, and of which of the kinds drawn, is read off "
+     "the readings.",
+     "\"auto\"",
+     "one"},
     {"optimize.hole[].circle",
      Table,
      {.one_of = true},
@@ -1008,6 +1021,7 @@ constexpr Key rows[] = {
      "[[0.3, 0.3], [0.7, 0.3], [0.7, 0.7], [0.3, 0.7]]"},
     {"optimize.crack[]", Tables, {.with = methods_of_drawn}, "A crack that is moved."},
     {"optimize.crack[].name", Name, {}, "In messages and tables.", "\"c\"", "crack_1, ..."},
+    {"optimize.crack[].count", Word, {.words = counted}, "As of [[optimize.hole]].", "\"auto\"", "one"},
     {"optimize.crack[].path",
      BoxPairs,
      {.required = true},
@@ -1023,6 +1037,7 @@ constexpr Key rows[] = {
     {"optimize.crack[].start.path", PointList, {.required = true}, "All its points.", "[[0.3, 0.5], [0.7, 0.5]]"},
     {"optimize.region[]", Tables, {.with = methods_of_drawn}, "An inclusion that is moved."},
     {"optimize.region[].name", Name, {}, "In messages and tables.", "\"r\"", "region_1, ..."},
+    {"optimize.region[].count", Word, {.words = counted}, "As of [[optimize.hole]].", "\"auto\"", "one"},
     {"optimize.region[].circle",
      Table,
      {.required = true, .like = "optimize.hole[].circle"},

@@ -201,36 +201,65 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
   return bounds;
 }
 
-/// least_squares and defects: how an inverse problem ends.
+/// The first key count = "auto" of what is drawn, which all of it has or nothing.
+std::optional<Value> read_counts(const Value& optimize) {
+  std::optional<Value> first, without;
+  for (const char* kind : {"hole", "crack", "region"})
+    for (const Value& table : find_tables(optimize, kind)) {
+      const auto count = find(table, "count");
+      if (!count) {
+        without = table;
+        continue;
+      }
+      choice(*count);
+      const auto start = find(table, "start");
+      if (start && start->node->kind != Node::Kind::String)
+        fail(start->node->position,
+             start->name + " does not go with count = \"auto\", where every number of things is begun from the map");
+      if (!first) first = count;
+    }
+  if (first && without)
+    fail(without->node->position, without->name +
+                                      " needs count = \"auto\", too: things that are counted are looked for in every "
+                                      "mixture; what is known to be there, draw in the body");
+  return first;
+}
+
+/// least_squares, defects and count: how an inverse problem ends.
 void read_fit(const Value& document, const Value& table, const std::filesystem::path& folder, const OptimizeRequest& r,
               Case& c) {
-  const auto squares = find(table, "least_squares"), defects = find(table, "defects");
+  constexpr int usual_most = 5;  // things that are tried
+  const auto squares = find(table, "least_squares"), defects = find(table, "defects"), counts = read_counts(table);
   FitRequest fit;
+  if (counts) fit.defects_at_most = usual_most;
   if (defects) {
     if (defects->node->kind != Node::Kind::Table)
       fail(defects->node->position, defects->name + " must be { at_most = 5 }");
     allow_only(*defects);
     fit.defects_at_most = whole_number(need(*defects, "at_most"));
-    if (r.design.drawn.size() != 1 || !r.design.drawn[0].from_map)
+    const bool from_map = std::ranges::all_of(r.design.drawn, &Drawn::from_map);
+    if (!counts && (r.design.drawn.empty() || !from_map))
       fail(defects->node->position,
            defects->name +
-               " goes with one [[optimize.hole]], [[optimize.crack]] or [[optimize.region]] with start = "
-               "\"map\", of which it makes copies");
+               " goes with [[optimize.hole]], [[optimize.crack]] or [[optimize.region]] with start = \"map\", of which "
+               "it makes copies");
   }
-  bool wanted = defects.has_value();
+  const std::optional<Value>& counted = defects ? defects : counts;
+  bool wanted = counted.has_value();
   if (squares && squares->node->kind == Node::Kind::Table) {
     allow_only(*squares);
     take(*squares, "noise", fit.noise);
     wanted = true;
   } else if (squares && squares->node->kind == Node::Kind::Boolean) {
-    if (!squares->node->boolean && defects)
-      fail(squares->node->position, squares->name + " = false does not go with defects, which are counted by it");
+    if (!squares->node->boolean && counted)
+      fail(squares->node->position,
+           fmt::format("{} = false does not go with {}, which are counted by it", squares->name, counted->name));
     wanted = wanted || squares->node->boolean;
   } else if (squares) {
     fail(squares->node->position, squares->name + " must be true, false or { noise = 1e-4 }");
   }
   if (!wanted) return;
-  c.readings = read_readings(document, folder, defects ? *defects : *squares, c);
+  c.readings = read_readings(document, folder, counted ? *counted : *squares, c);
   c.readings.noise = fit.noise;
   c.fit = fit;
 }

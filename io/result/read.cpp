@@ -299,6 +299,24 @@ LeastSquares fit(const Json& from) {
   out.state_solves = whole(from, "state_solves");
   out.optimality = read_number(from, "optimality");
   out.stopped = text(from, "stopped");
+  out.gain = read_number(from, "gain");
+  out.verdict = from_word<FitVerdict>(fit_verdict_words, text(from, "verdict"));
+  if (from.contains("chi_square")) {
+    const Json& chi = from["chi_square"];
+    const double unit = out.noise * out.noise * out.readings, n = out.readings;
+    const Eigen::VectorXd expected = numbers(list(chi, "expected"));
+    if (expected.size() != 2) throw Damage();
+    out.expected = {n * expected[0], n * expected[1]};
+    out.most = n * read_number(chi, "at_most");
+    out.finer = unit * read_number(chi, "finer");
+    out.mesh = unit * read_number(chi, "mesh");
+  }
+  for (const Json& c : list(from, "combinations")) {
+    const double deviation = read_number(c, "deviation");
+    const bool is_fixed = c.value("fixed", false);
+    out.combinations.push_back(
+        {numbers(list(c, "weights")), is_fixed || std::isfinite(deviation) ? deviation : infinity, is_fixed});
+  }
   const Json &variables = list(from, "variables"), &rows = list(from, "covariance");
   const auto n = static_cast<Eigen::Index>(variables.size());
   out.variables.resize(n);
@@ -311,6 +329,8 @@ LeastSquares fit(const Json& from) {
     if (row.size() != n) throw Damage();
     out.covariance.row(i) = row.transpose();
   }
+  for (const Combination& c : out.combinations)
+    if (c.weights.size() != n) throw Damage();
   for (const Json& e : list(from, "ellipses"))
     out.ellipses.push_back({text(e, "name"), read_place(e.at("at")), read_place(e.at("semi_axes")),
                             read_number(e, "angle_deg") * pi / 180});
@@ -319,16 +339,27 @@ LeastSquares fit(const Json& from) {
 
 /// Without the designs, which result.json does not have.
 Count defects(const Json& from) {
-  Count out;
+  Count out{.things = texts(from, "things")};
   for (const Json& one : list(from, "tried")) {
     Counted& c = out.tried.emplace_back();
     c.count = whole(one, "count");
+    for (const double of : numbers(list(one, "of"))) c.of.push_back(static_cast<int>(of));
+    if (c.of.size() != out.things.size()) throw Damage();
+    c.variables = whole(one, "unknowns", 0);
     c.criterion = read_number(one, "criterion");
+    c.aicc = read_number(one, "aicc");
+    c.fit.readings = whole(one, "readings", 0);
+    c.fit.noise = read_number(one, "noise");
+    c.fit.estimated = one.value("estimated", false);
     c.fit.end = read_number(one, "squares");
     c.fit.variables = numbers(list(one, "variables"));
     c.failure = text(one, "failure");
-    if (c.count == whole(from, "count")) out.chosen = out.tried.size() - 1;
   }
+  const auto is_chosen = [&](const Counted& one) { return one.count == whole(from, "count"); };
+  const auto by_count = std::ranges::find_if(out.tried, is_chosen) - out.tried.begin();
+  const int chosen = whole(from, "chosen", static_cast<int>(by_count));
+  if (chosen < 0 || static_cast<std::size_t>(chosen) >= out.tried.size()) throw Damage();
+  out.chosen = static_cast<std::size_t>(chosen);
   return out;
 }
 
@@ -339,7 +370,8 @@ StartTried start_tried(const Json& from) {
           .violation = read_number(from, "violation"),
           .in_full = from.value("in_full", false),
           .state_solves = whole(from, "state_solves"),
-          .failure = text(from, "failure")};
+          .failure = text(from, "failure"),
+          .end = whole(from, "end", 0)};
 }
 
 FinerDesign finer(const Json& from) {

@@ -384,13 +384,34 @@ Json identified_section(const std::vector<Identified>& all) {
 }
 
 Json fit_section(const LeastSquares& fit, const OptimizeNames& names) {
-  Json out = {{"readings", fit.readings},         {"start", number(fit.start)},           {"end", number(fit.end)},
-              {"noise", number(fit.noise)},       {"estimated", fit.estimated},           {"steps", fit.steps},
-              {"state_solves", fit.state_solves}, {"optimality", number(fit.optimality)}, {"stopped", fit.stopped}};
+  Json out = {{"readings", fit.readings},
+              {"start", number(fit.start)},
+              {"end", number(fit.end)},
+              {"noise", number(fit.noise)},
+              {"estimated", fit.estimated},
+              {"steps", fit.steps},
+              {"state_solves", fit.state_solves},
+              {"optimality", number(fit.optimality)},
+              {"stopped", fit.stopped},
+              {"verdict", word(fit.verdict)},
+              {"gain", number(fit.gain)},
+              {"rank", rank_of(fit)},
+              {"unknowns", fit.combinations.size()}};
+  if (std::isfinite(fit.most)) {
+    const double unit = fit.noise * fit.noise * fit.readings, n = fit.readings;
+    out["chi_square"] = {{"per_reading", number(fit.end / unit)},
+                         {"expected", {number(fit.expected[0] / n), number(fit.expected[1] / n)}},
+                         {"at_most", number(fit.most / n)},
+                         {"finer", number(fit.finer / unit)},
+                         {"mesh", number(fit.mesh / unit)}};
+  }
+  for (const Combination& c : fit.combinations)
+    out["combinations"].push_back(
+        {{"weights", numbers_of(c.weights)}, {"deviation", number(c.deviation)}, {"fixed", c.fixed}});
   for (Eigen::Index i = 0; i < fit.variables.size(); ++i)
     out["variables"].push_back({{"name", names.variables.at(static_cast<std::size_t>(i))},
                                 {"value", number(fit.variables[i])},
-                                {"deviation", number(std::sqrt(fit.covariance(i, i)))}});
+                                {"deviation", number(deviation_of(fit, i))}});
   for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i)
     out["covariance"].push_back(numbers_of(fit.covariance.row(i).transpose()));
   for (const UncertaintyEllipse& e : fit.ellipses)
@@ -403,10 +424,19 @@ Json fit_section(const LeastSquares& fit, const OptimizeNames& names) {
 }
 
 Json count_section(const Count& count) {
-  Json out = {{"count", count.tried.at(count.chosen).count}, {"tried", Json::array()}};
+  Json out = {{"count", count.tried.at(count.chosen).count},
+              {"chosen", count.chosen},
+              {"things", count.things},
+              {"tried", Json::array()}};
   for (const Counted& one : count.tried) {
     Json row = {{"count", one.count},
+                {"of", one.of},
+                {"unknowns", one.variables},
                 {"criterion", number(one.criterion)},
+                {"aicc", number(one.aicc)},
+                {"readings", one.fit.readings},
+                {"noise", number(one.fit.noise)},
+                {"estimated", one.fit.estimated},
                 {"squares", number(one.fit.end)},
                 {"variables", numbers_of(one.fit.variables)}};
     if (!one.failure.empty()) row["failure"] = one.failure;
@@ -420,6 +450,7 @@ Json starts_section(const std::vector<StartTried>& starts) {
   for (const StartTried& t : starts) {
     Json row = {{"from", numbers_of(t.from)},       {"reached", numbers_of(t.variables)}, {"merit", number(t.merit)},
                 {"violation", number(t.violation)}, {"state_solves", t.state_solves},     {"in_full", t.in_full}};
+    if (t.end > 0) row["end"] = t.end;
     if (!t.failure.empty()) row["failure"] = t.failure;
     out.push_back(std::move(row));
   }

@@ -455,6 +455,8 @@ std::string summary(const Result& result) {
   if (result.validate) add_validation(out, *result.validate);
   if (result.growth) add_growth(out, *result.growth, u);
   if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names, of_functional);
+  if (result.counted)
+    for (const std::string& line : table_in_words(*result.counted)) add_sentence(out, "count", line);
   if (result.fit)
     for (const std::string& line : in_words(*result.fit, result.optimize_names.variables))
       add_sentence(out, "fit", line);

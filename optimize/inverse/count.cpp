@@ -1,8 +1,11 @@
-// How many defects the readings tell of. Each number k is guessed, fitted by least squares and weighed by
+// How many defects the readings tell of, and of which kind. Each number k, in every mixture of the things that the
+// design draws, is guessed, fitted by least squares and weighed by
 //   B_k = N ln(chi^2_k/N) + p_k ln N,   or chi^2_k/s^2 + p_k ln N where the noise s is known
-// [Schwarz 1978; theory: I.7]. One more defect must lower B by 6, which is strong evidence [Kass, Raftery 1995]. A fit
-// in which the size of a defect is less than twice its deviation, or the least that its box allows, is a phantom and
-// refused. Two numbers in a row that bring nothing end the search. Derived in docs/theory/inverse.md, "How many".
+// [Schwarz 1978; theory: I.7], and beside it by Akaike's criterion for few readings [Hurvich, Tsai 1989; theory: I.10].
+// One more defect must lower B by 6, which is strong evidence [Kass, Raftery 1995]. A fit in which the size of a defect
+// is less than twice its deviation, or the least that its box allows, is a phantom and refused, as is one with as many
+// variables as readings. Two numbers in a row that bring nothing end the search. Derived in docs/theory/inverse.md,
+// "How many".
 
 #include "kerf/inverse.hpp"
 #include "optimize/inverse/sensors.hpp"
@@ -13,6 +16,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <numeric>
 
 namespace kerf {
 
@@ -48,10 +52,23 @@ int free_variables(const Design& d) {
   return count;
 }
 
-/// For normal noise, less what is the same for all counts [Schwarz 1978; theory: I.7].
+/// For normal noise, less what is the same for all counts: -2 ln of the largest likelihood.
+double unlikeliness(const LeastSquares& fit, double noise) {
+  const double n = fit.readings;
+  return noise > 0 ? fit.end / (noise * noise) : n * std::log(fit.end / n);
+}
+
+/// [Schwarz 1978; theory: I.7].
 double criterion(const LeastSquares& fit, int variables, double noise) {
-  const double n = fit.readings, price = variables * std::log(n);
-  return (noise > 0 ? fit.end / (noise * noise) : n * std::log(fit.end / n)) + price;
+  return unlikeliness(fit, noise) + variables * std::log(static_cast<double>(fit.readings));
+}
+
+/// [Hurvich, Tsai 1989; theory: I.10]: an estimated noise is one more parameter, and few readings flatter a fit by it.
+/// For a known one Akaike's own price is exact. Infinite where there are too few readings.
+double corrected_akaike(const LeastSquares& fit, int variables, double noise) {
+  if (noise > 0) return unlikeliness(fit, noise) + 2 * variables;
+  const double k = variables + 1, left = fit.readings - k - 1;
+  return left > 0 ? unlikeliness(fit, noise) + 2 * k + 2 * k * (k + 1) / left : infinity;
 }
 
 /// A thing whose size the readings do not tell from nothing, or want smaller than its box allows.
@@ -87,14 +104,19 @@ bool has_phantom(const Design& d, const LeastSquares& fit) {
   return false;
 }
 
-Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings& readings, int count) {
-  Counted one{.count = count};
+Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings& readings, const std::vector<int>& of) {
+  Counted one{.count = std::accumulate(of.begin(), of.end(), 0), .of = of};
   try {
-    if (count == 0) {
+    if (one.count == 0) {
       one.fit = of_none(p, readings);
     } else {
       OptimizeRequest r = request;
-      r.design = copies(request.design, count);
+      r.design = copies(request.design, one.of);
+      one.variables = free_variables(r.design);
+      if (one.variables >= 2 * static_cast<int>(readings.at.size())) {
+        one.failure = fmt::format("{} readings for {} unknowns", 2 * readings.at.size(), one.variables);
+        return one;
+      }
       // Every number begins with a guess of its own.
       for (Drawn& d : r.design.drawn) d.from_map = true;
       const InitialGuess guess = initial_guess(p, r.design, least_distance(p, r));
@@ -110,8 +132,9 @@ Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings&
         first += d.start.size();
       }
     }
-    one.criterion = criterion(one.fit, free_variables(one.design), readings.noise);
-    if (count > 0 && has_phantom(one.design, one.fit))
+    one.criterion = criterion(one.fit, one.variables, readings.noise);
+    one.aicc = corrected_akaike(one.fit, one.variables, readings.noise);
+    if (one.count > 0 && has_phantom(one.design, one.fit))
       one.failure = "the readings do not tell the size of one of them from nothing";
   } catch (const Error& error) {
     one.failure = error.what();
@@ -119,43 +142,91 @@ Counted fit_of(const Problem& p, const OptimizeRequest& request, const Readings&
   return one;
 }
 
+/// All ways to write `sum` as so many numbers, the first one falling.
+std::vector<std::vector<int>> mixtures(int sum, std::size_t numbers) {
+  if (numbers == 1) return {{sum}};
+  std::vector<std::vector<int>> all;
+  for (int first = sum; first >= 0; --first)
+    for (const std::vector<int>& rest : mixtures(sum - first, numbers - 1)) {
+      all.push_back({first});
+      all.back().insert(all.back().end(), rest.begin(), rest.end());
+    }
+  return all;
+}
+
+/// "2", or "1 hole 'h' and 1 crack 'c'" where there is a choice.
+std::string what(const Counted& one, const std::vector<std::string>& things) {
+  if (things.size() < 2 || one.count == 0) return fmt::format("{}", one.count);
+  std::string words;
+  for (std::size_t i = 0; i < things.size(); ++i)
+    if (one.of.at(i) > 0) words += fmt::format("{}{} {}", words.empty() ? "" : " and ", one.of[i], things[i]);
+  return words;
+}
+
 }  // namespace
 
 std::string in_words(const Count& c) {
   std::string all;
   for (const Counted& one : c.tried)
-    all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", one.count,
+    all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", what(one, c.things),
                        one.failure.empty() ? fmt::format("{:.1f}", one.criterion) : "none (" + one.failure + ")");
-  const int count = c.tried.at(c.chosen).count;
-  return fmt::format("{} defect{} by the criterion of Bayes and Schwarz: {}", count, count == 1 ? "" : "s", all);
+  const Counted& chosen = c.tried.at(c.chosen);
+  const std::string found = c.things.size() < 2 || chosen.count == 0
+                                ? fmt::format("{} defect{}", chosen.count, chosen.count == 1 ? "" : "s")
+                                : what(chosen, c.things);
+  return fmt::format("{} by the criterion of Bayes and Schwarz: {}", found, all);
 }
 
-Design copies(const Design& design, int count) {
-  Design out;
-  for (int k = 1; k <= count; ++k) {
-    out.drawn.push_back(design.drawn.at(0));
-    if (count > 1) out.drawn.back().name = fmt::format("{}_{}", design.drawn[0].name, k);
+std::vector<std::string> table_in_words(const Count& c) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < c.tried.size(); ++i) {
+    const Counted& one = c.tried[i];
+    std::string line =
+        fmt::format("{}{}: {} unknowns", i == c.chosen ? "chosen: " : "", what(one, c.things), one.variables);
+    if (std::isfinite(one.fit.end)) {
+      const double n = one.fit.readings;
+      line += one.fit.estimated ? fmt::format(", noise {:.3g}", std::sqrt(one.fit.end / n))
+                                : fmt::format(", chi^2/N {:.3g}", one.fit.end / (n * one.fit.noise * one.fit.noise));
+    }
+    if (std::isfinite(one.criterion))
+      line += fmt::format(", BIC {:.1f} ({:+.1f}), AICc {:.1f} ({:+.1f})", one.criterion,
+                          one.criterion - c.tried[c.chosen].criterion, one.aicc, one.aicc - c.tried[c.chosen].aicc);
+    lines.push_back(line + (one.failure.empty() ? "" : "; not chosen: " + one.failure));
   }
+  return lines;
+}
+
+Design copies(const Design& design, const std::vector<int>& counts) {
+  Design out;
+  for (std::size_t i = 0; i < design.drawn.size(); ++i)
+    for (int k = 1; k <= counts.at(i); ++k) {
+      out.drawn.push_back(design.drawn[i]);
+      if (counts[i] > 1) out.drawn.back().name = fmt::format("{}_{}", design.drawn[i].name, k);
+    }
   return out;
 }
 
-// From none upwards; numbers that fail count as ones that bring nothing.
+// From none upwards; numbers that fail count as ones that bring nothing. Of one number of things the likeliest mixture
+// counts.
 Count count_defects(const Problem& problem, const OptimizeRequest& request, const Readings& readings, int at_most) {
-  if (request.design.drawn.size() != 1)
-    throw Error(Fault::Usage, "to count defects the design draws one of them, which is copied");
+  const Design& design = request.design;
+  if (design.drawn.empty()) throw Error(Fault::Usage, "to count defects the design draws one of each kind");
   Count out;
+  for (const Drawn& one : design.drawn) out.things.push_back(name(one));
   double least = infinity;
   int risen = 0;
   for (int k = 0; k <= at_most && risen < rises; ++k) {
-    out.tried.push_back(fit_of(problem, request, readings, k));
-    const Counted& one = out.tried.back();
-    if (one.failure.empty() && one.criterion < least - (k > 0 ? strong : 0)) {
+    const double before = least - (k > 0 ? strong : 0);
+    bool better = false;
+    for (const std::vector<int>& of : mixtures(k, design.drawn.size())) {
+      out.tried.push_back(fit_of(problem, request, readings, of));
+      const Counted& one = out.tried.back();
+      if (!one.failure.empty() || !(one.criterion < before) || !(one.criterion < least)) continue;
       least = one.criterion;
-      out.chosen = static_cast<std::size_t>(k);
-      risen = 0;
-    } else {
-      ++risen;
+      out.chosen = out.tried.size() - 1;
+      better = true;
     }
+    risen = better ? 0 : risen + 1;
   }
   if (least == infinity)
     throw Error(Fault::Numerics, fmt::format("no number of defects could be fitted: {}", out.tried[0].failure));

@@ -175,6 +175,11 @@ std::string optimize_section(const Result& r, const PageData& data) {
   const OptimizeNames& names = r.optimize_names;
   std::string out = "<h2>Optimization</h2>\n" + note(sentence(o), !o.feasible);
   for (const std::string& text : o.notes) out += note(text);
+  if (r.counted) {
+    std::string lines;
+    for (const std::string& line : table_in_words(*r.counted)) lines += escape_html(line) + "<br>\n";
+    out += "<p class=\"note\">" + lines + "</p>\n";
+  }
   if (r.fit) {
     std::string lines;
     for (const std::string& line : in_words(*r.fit, names.variables)) lines += escape_html(line) + "<br>\n";

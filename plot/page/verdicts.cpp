@@ -79,7 +79,8 @@ std::string of_optimization(const OptimizeResult& o) {
   std::string why = o.stopped;
   const std::string said(word(o.ending));
   if (why.starts_with(said + ": ")) why = why.substr(said.size() + 2);
-  const Mood mood = o.ending == Ending::Optimal ? Mood::Good : o.ending == Ending::Infeasible ? Mood::Bad : Mood::Warn;
+  const bool bad = o.ending == Ending::Infeasible || o.ending == Ending::Unexplained;
+  const Mood mood = o.ending == Ending::Optimal ? Mood::Good : bad ? Mood::Bad : Mood::Warn;
   return line("optimization", mood, said, why);
 }
 

@@ -158,7 +158,12 @@ Found verdicts(const Json& r) {
     if (says(reason, "nan") || says(reason, "inf")) return Failure{"nan in a verdict", reason};
   }
   if (r.contains("optimize")) {
-    static constexpr std::array<const char*, 4> endings = {"optimal", "stalled", "budget used", "infeasible"};
+    static constexpr std::array<const char*, 6> endings = {"optimal",
+                                                           "stalled",
+                                                           "budget used",
+                                                           "infeasible",
+                                                           "the model does not explain the readings",
+                                                           "not enough readings"};
     const Json& o = r["optimize"];
     if (!known(o.value("ending", ""), endings)) return Failure{"unknown ending", o.value("ending", "")};
     if (r["status"] == "ok" && !finite(o, "objective"))

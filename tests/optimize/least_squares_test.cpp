@@ -299,12 +299,11 @@ TEST(Count, OfThingsWithoutARadiusToFind) {
 TEST(Count, CopiesOneThing) {
   const Plate plate;
   const Problem p = plate.frame();
-  EXPECT_THROW(count_defects(p, request({{plate.circle("a"), plate.circle("b")}}), {}, 1), Error);
   EXPECT_THROW(count_defects(p, request({}), {}, 1), Error);
-  const Design three = copies({{plate.circle("h")}}, 3);
+  const Design three = copies({{plate.circle("h")}}, {3});
   ASSERT_EQ(three.drawn.size(), 3u);
   EXPECT_EQ(three.drawn[2].name, "h_3");
-  EXPECT_EQ(copies({{plate.circle("h")}}, 1).drawn[0].name, "h");
+  EXPECT_EQ(copies({{plate.circle("h")}}, {1}).drawn[0].name, "h");
 }
 
 TEST(Count, FindsNothingWhereNothingIs) {
