@@ -97,8 +97,9 @@ DesignEvaluation unpacked(const VectorXd& v, const std::string& failure) {
 }
 
 VectorXd packed(const StartTried& t) {
-  VectorXd v(5 + t.from.size() + t.variables.size());
-  v << t.merit, t.violation, t.in_full ? 1 : 0, t.state_solves, static_cast<double>(t.from.size()), t.from, t.variables;
+  VectorXd v(6 + t.from.size() + t.variables.size());
+  v << t.merit, t.violation, t.in_full ? 1 : 0, t.state_solves, t.end, static_cast<double>(t.from.size()), t.from,
+      t.variables;
   return v;
 }
 
@@ -109,8 +110,9 @@ StartTried start_unpacked(const VectorXd& v, const std::string& failure) {
   t.violation = in.any();
   t.in_full = in.flag();
   t.state_solves = in.count();
+  t.end = in.count();
   t.from = in.take_counted();
-  t.variables = in.take(v.size() - 5 - t.from.size());
+  t.variables = in.take(v.size() - 6 - t.from.size());
   t.failure = failure;
   return t;
 }
@@ -436,6 +438,7 @@ VectorXd Rounds::best_of_starts(const VectorXd& given) {
       fmt::format("{} starts, compared on a coarse mesh: the best one, number {}, reaches {:.6g}, the given one {}",
                   all.size(), best - all.begin() + 1, best->merit,
                   std::isnan(all[0].merit) ? "nothing: " + all[0].failure : fmt::format("{:.6g}", all[0].merit)));
+  for (std::string& line : ends_in_words(all)) result_.notes.push_back(std::move(line));
   return best->variables;
 }
 
