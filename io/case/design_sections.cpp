@@ -111,8 +111,10 @@ double signed_area(const std::vector<double>& xy) {
 /// derivative.
 std::optional<Value> read_start_of_crack(const Value& table, bool& from_map) {
   const auto start = find(table, "start");
-  from_map = start && start->node->kind == Node::Kind::String;
+  // What is counted is begun from the map in every number.
+  from_map = (start && start->node->kind == Node::Kind::String) || find(table, "count");
   if (!from_map) return start;
+  if (!start || start->node->kind != Node::Kind::String) return {};
   choice(*start);
   return std::nullopt;
 }

@@ -252,8 +252,8 @@ void read_fit(const Value& document, const Value& table, const std::filesystem::
     wanted = true;
   } else if (squares && squares->node->kind == Node::Kind::Boolean) {
     if (!squares->node->boolean && counted)
-      fail(squares->node->position,
-           fmt::format("{} = false does not go with {}, which are counted by it", squares->name, counted->name));
+      fail(squares->node->position, fmt::format("{} = false does not go with {}, which are counted by it",
+                                                squares->name, defects ? "defects" : "count = \"auto\""));
     wanted = wanted || squares->node->boolean;
   } else if (squares) {
     fail(squares->node->position, squares->name + " must be true, false or { noise = 1e-4 }");

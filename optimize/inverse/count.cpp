@@ -159,7 +159,9 @@ std::string what(const Counted& one, const std::vector<std::string>& things) {
   if (things.size() < 2 || one.count == 0) return fmt::format("{}", one.count);
   std::string words;
   for (std::size_t i = 0; i < things.size(); ++i)
-    if (one.of.at(i) > 0) words += fmt::format("{}{} {}", words.empty() ? "" : " and ", one.of[i], things[i]);
+    if (one.of.at(i) > 0)
+      words += fmt::format("{}{} {}", words.empty() ? "" : " and ",
+                           one.of[i] == 1 ? "1" : fmt::format("{} x", one.of[i]), things[i]);
   return words;
 }
 

@@ -371,7 +371,7 @@ TEST(Parameters, OfStartsThatViolateTheLeastViolatedGoesOn) {
   double least = infinity, chosen = nan;
   for (const StartTried& one : tried) {
     EXPECT_EQ(one.from[1], 0.9);
-    const double violation = (1 - pi * one.from[2] * one.from[2] / 16) / 0.96 - 1;
+    const double violation = std::max(0.0, (1 - pi * one.from[2] * one.from[2] / 16) / 0.96 - 1);
     EXPECT_NEAR(one.violation, violation, 1e-6);
     least = std::min(least, one.violation);
     if (one.in_full) chosen = one.violation;

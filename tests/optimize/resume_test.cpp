@@ -120,9 +120,9 @@ TEST_F(Resume, StartsThatDoNotFitAreRefused) {
   EXPECT_EQ(with([](VectorXd&) {}), "");
   EXPECT_EQ(with([](VectorXd& v) { v.conservativeResize(4); }), broken);
   EXPECT_EQ(with([](VectorXd& v) { v.resize(0); }), broken);
-  EXPECT_EQ(with([](VectorXd& v) { v[4] = -1; }), broken);
-  EXPECT_EQ(with([](VectorXd& v) { v[4] = 100; }), broken);
-  EXPECT_EQ(with([](VectorXd& v) { v[4] = nan; }), broken);
+  EXPECT_EQ(with([](VectorXd& v) { v[5] = -1; }), broken);
+  EXPECT_EQ(with([](VectorXd& v) { v[5] = 100; }), broken);
+  EXPECT_EQ(with([](VectorXd& v) { v[5] = nan; }), broken);
   EXPECT_EQ(with([](VectorXd& v) { v[3] = nan; }), broken);
   EXPECT_EQ(with([](VectorXd& v) { v[2] = 0; }), broken);                            // none went on
   EXPECT_EQ(with([](VectorXd& v) { v.conservativeResize(v.size() - 1); }), broken);  // a variable too few

@@ -455,9 +455,22 @@ TEST(LeastSquares, AreAskedForAndFindTheirReadings) {
   EXPECT_EQ(error(with("defects = 3\n")), "a.toml:22:11: defects in [optimize] must be { at_most = 5 }");
   EXPECT_EQ(error(with("starts = 0\n")), "a.toml:22:10: starts in [optimize] must be between 1 and 1000, not 0");
   EXPECT_EQ(error(with("defects = { at_most = 3 }\n", "")).substr(0, 70),
-            "a.toml:22:11: defects in [optimize] goes with one [[optimize.hole]], [");
+            "a.toml:22:11: defects in [optimize] goes with [[optimize.hole]], [[opt");
   EXPECT_EQ(error(with("least_squares = false\ndefects = { at_most = 3 }\n")),
             "a.toml:22:17: least_squares in [optimize] = false does not go with defects, which are counted by it");
+  // In every table or in none, and begun from the map.
+  const std::string crack = "[[optimize.crack]]\npath = [[[0.3, 1.7], 0.5], [[0.3, 1.7], 0.5]]\n";
+  const Case counted = read(with("", "count = 'auto'\n" + crack + "count = 'auto'\nstart = 'map'\n"));
+  EXPECT_EQ(counted.fit->defects_at_most, 5);
+  ASSERT_EQ(counted.optimize->design.drawn.size(), 2u);
+  for (const Drawn& d : counted.optimize->design.drawn) EXPECT_TRUE(d.from_map);
+  EXPECT_EQ(read(with("defects = { at_most = 2 }\n", "count = 'auto'\n")).fit->defects_at_most, 2);
+  EXPECT_NE(error(with("", "count = 'auto'\n" + crack + "start = 'map'\n")).find("needs count = \"auto\", too"),
+            std::string::npos);
+  EXPECT_NE(error(with("", "count = 'auto'\nstart = { radius = 0.1 }\n")).find("does not go with count = \"auto\""),
+            std::string::npos);
+  EXPECT_NE(error(with("least_squares = false\n", "count = 'auto'\n")).find("does not go with count = \"auto\""),
+            std::string::npos);
   EXPECT_EQ(error(with("least_squares = 1\n")),
             "a.toml:22:17: least_squares in [optimize] must be true, false or { noise = 1e-4 }");
   EXPECT_EQ(error(plate + pull + "[optimize]\nmethod = 'mma'\nleast_squares = true\n" + sought),
@@ -715,7 +728,7 @@ INSTANTIATE_TEST_SUITE_P(
             "[optimize]\nmethod = 'mma'\n[[optimize.crack]]\npath = [[[0, 1], 0.5], [[1, 2], 0.5]]\ncontact = 'bonded'",
             "a.toml:19:11: unknown contact in [[optimize.crack]] \"bonded\"; known: unilateral, open"},
         Wrong{"[optimize]\nmethod = 'mma'\n[[optimize.crack]]\npath = [[[0, 1], 0.5], [[1, 2], 0.5]]\nfriction = 0.1",
-              "a.toml:19:1: unknown key \"friction\" in [[optimize.crack]]; known: name, path, contact, start"},
+              "a.toml:19:1: unknown key \"friction\" in [[optimize.crack]]; known: name, count, path, contact, start"},
         Wrong{"[optimize]\nmethod = 'mma'\n[[optimize.region]]\ncircle = { center = [1, 0.5], radius = 0.1 }\nyoung = "
               "[0, 1]\npoisson = 0.3",
               "a.toml:19:10: entry 1 of young in [[optimize.region]] must be larger than 0, not 0"},

@@ -2,6 +2,7 @@
 // finite is null.
 
 #include "io/result.hpp"
+#include "io/read_result.hpp"
 
 #include "io/files.hpp"
 #include "tests/support/sample.hpp"
@@ -220,7 +221,8 @@ Result searched() {
   r.optimize = o;
   Count count;
   for (const int n : {0, 1, 2}) {
-    Counted one{.count = n, .criterion = 10.0 - n};
+    Counted one{.count = n, .of = {n}, .variables = 3 * n, .criterion = 10.0 - n, .aicc = 9.5 - n};
+    one.fit.readings = 20, one.fit.noise = 0.25;
     one.fit.end = 1.0 / (n + 1);
     one.fit.variables = Eigen::VectorXd::Constant(n, 0.5);
     count.tried.push_back(one);
@@ -228,6 +230,7 @@ Result searched() {
   count.tried[2].criterion = nan;
   count.tried[2].failure = "no room";
   count.chosen = 1;
+  count.things = {"hole 'h'"};
   r.counted = count;
   r.solver = SolverResult{4, 2, 31, 1e3, 96, 20, 800, 90, 70};
   return r;
@@ -243,14 +246,52 @@ TEST(ResultJson, WhatASearchTried) {
   const Json& defects = j["optimize"]["defects"];
   EXPECT_EQ(defects["count"], 1);
   ASSERT_EQ(defects["tried"].size(), 3u);
-  EXPECT_EQ(defects["tried"][0], Json::parse(R"({"count": 0, "criterion": 10.0, "squares": 1.0, "variables": []})"));
-  EXPECT_EQ(defects["tried"][1], Json::parse(R"({"count": 1, "criterion": 9.0, "squares": 0.5, "variables": [0.5]})"));
+  EXPECT_EQ(defects["chosen"], 1);
+  EXPECT_EQ(defects["things"], Json::parse(R"(["hole 'h'"])"));
+  EXPECT_EQ(defects["tried"][1],
+            Json::parse(R"({"count": 1, "of": [1], "unknowns": 3, "criterion": 9.0, "aicc": 8.5, "readings": 20,
+                            "noise": 0.25, "estimated": false, "squares": 0.5, "variables": [0.5]})"));
   EXPECT_TRUE(defects["tried"][2]["criterion"].is_null());
   EXPECT_EQ(defects["tried"][2]["failure"], "no room");
   EXPECT_EQ(j["state"]["solver"],
             Json::parse(R"({"backend": "petsc", "parts": 4, "solves": 2, "iterations": 31, "condition": 1000.0,
                             "interface_unknowns": 96, "primal_unknowns": 20, "bytes_per_iteration": 800.0,
                             "peak_memory_mb": [90.0, 70.0]})"));
+}
+
+// What readings fix and what they leave open, there and back.
+TEST(ResultJson, AFitSaysWhatItsReadingsFix) {
+  Result r = test::full_result();
+  r.optimize.emplace();
+  r.optimize->ending = Ending::Undetermined;
+  r.optimize_names.variables = {"h.x", "h.radius"};
+  r.optimize->variables = Eigen::Vector2d(0.5, 0.25);
+  LeastSquares fit;
+  fit.variables = r.optimize->variables;
+  fit.covariance = Eigen::Matrix2d{{1e-4, 0}, {0, 4e-4}};
+  fit.readings = 4, fit.noise = 0.5, fit.end = 2, fit.finer = 2.5, fit.mesh = 0.25;
+  fit.expected = {1, 6}, fit.most = 14;
+  fit.combinations = {{Eigen::Vector2d(0.6, 0.8), 0.01, true}, {Eigen::Vector2d(0.8, -0.6)}};
+  fit.verdict = FitVerdict::Undetermined;
+  r.fit = fit;
+  const Folder folder;
+  write_json(folder.path / "result.json", r);
+  const Json j = written(r)["optimize"];
+  EXPECT_EQ(j["ending"], "not enough readings");
+  EXPECT_EQ(j["converged"], false);
+  EXPECT_EQ(j["least_squares"]["verdict"], "not enough readings");
+  EXPECT_EQ(j["least_squares"]["rank"], 1);
+  EXPECT_EQ(j["least_squares"]["unknowns"], 2);
+  EXPECT_EQ(
+      j["least_squares"]["chi_square"],
+      Json::parse(R"({"per_reading": 2.0, "expected": [0.25, 1.5], "at_most": 3.5, "finer": 2.5, "mesh": 0.25})"));
+  EXPECT_EQ(j["least_squares"]["combinations"],
+            Json::parse(R"([{"weights": [0.6, 0.8], "deviation": 0.01, "fixed": true},
+                            {"weights": [0.8, -0.6], "deviation": null, "fixed": false}])"));
+  EXPECT_TRUE(j["least_squares"]["variables"][0]["deviation"].is_null());
+  const Result back = read_result(folder.path);
+  EXPECT_EQ(in_words(*back.fit, back.optimize_names.variables), in_words(fit, r.optimize_names.variables));
+  EXPECT_EQ(back.optimize->ending, Ending::Undetermined);
 }
 
 TEST(ResultJson, TheFinerDesignSaysWhatItsBoundsAreJudgedBy) {
