@@ -1,4 +1,4 @@
-// Designs ranked by first order: J(design) - J(body) ~ sum_i a_i T(x_i), a_i = pi size_i^2 [theory: L.15]. Places are
+// Designs ranked by first order: J(design) - J(body) ~ sum_i a_i T(x_i), a_i = pi size_i^2 [theory: L.20]. Places are
 // the middles of what is drawn; a crack counts by half its length and its angle, an inclusion by its stiffness. The
 // mean over the areas is what counts, so that large things are not better for being large: the sizes are what the
 // constraints and the second order leave. docs/theory/level_set.md, section "Drawn designs".

@@ -1,5 +1,5 @@
 // Several designs to begin with, compared on a mesh 1.5 times as coarse. Four times as many places as are wanted fill
-// the boxes evenly, and those of which the map of the objective promises most are begun from [theory: L.15]. Each is
+// the boxes evenly, and those of which the map of the objective promises most are begun from [theory: L.20]. Each is
 // minimized from for 40 evaluations, with short first steps, since long ones end at designs that cannot be evaluated;
 // the best third of them (two to four) for 40 more, and the best of these is gone on from. What the others came to is
 // told as distinct ends: designs that agree up to the order of things of a kind. One design is better than another if
