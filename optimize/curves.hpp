@@ -9,10 +9,12 @@
 namespace kerf {
 
 struct CurvesRequest {
-  double size = 0;         // of the mesh; 0: that of the problem
-  double tolerance = 0;    // of the fit; 0: 0.2 of the size
-  double min_radius = 0;   // of arcs of the design; 0: any
-  double min_feature = 0;  // least width of members and gaps; 0: one size. What is thinner already may stay so
+  double size = 0;        // of the mesh; 0: that of the problem
+  double tolerance = 0;   // of the fit; 0: 0.2 of the size
+  double min_radius = 0;  // of arcs of the design; 0: any
+  double min_feature =
+      0;               // least width of members, and of gaps without min_gap; 0: one size. What is thinner gets wider
+  double min_gap = 0;  // where that leads to a shape of the area allowed
   int evaluations = 40;
   double residual = 1e-2;            // of the shape on a mesh of its own that is good enough
   std::vector<double> at_most = {};  // of the bounds, where those of the request leave room for what a finer mesh says

@@ -166,8 +166,68 @@ VectorXd move_along(const DesignCurves& d, const Sample& s, const Vec2& directio
 }
 
 // A pair that sees each other gives one row.
+/// Per third of an arc the least diameter of discs that touch the boundary there and at a side that faces it, through
+/// the body (side 1) or the void (-1): the local thickness [theory: L.16].
+struct Touching {
+  std::size_t from, to;
+  double width;
+};
+std::vector<Touching> touching(const Samples& samples, double side, double within) {
+  constexpr double facing_most = -0.5;
+  std::map<std::pair<long, long>, std::vector<std::size_t>> cells;
+  const auto cell = [&](const Vec2& x) {
+    return std::pair{std::lround(std::floor(x.x() / within)), std::lround(std::floor(x.y() / within))};
+  };
+  for (std::size_t i = 0; i < samples.all.size(); ++i) cells[cell(samples.all[i].at)].push_back(i);
+  std::map<std::array<long, 3>, Touching> tightest;
+  for (std::size_t i = 0; i < samples.all.size(); ++i) {
+    const Sample& a = samples.all[i];
+    if (a.chain == none) continue;
+    Touching found{i, i, within};
+    const auto [x, y] = cell(a.at);
+    for (long dx = -1; dx <= 1; ++dx)
+      for (long dy = -1; dy <= 1; ++dy) {
+        const auto here = cells.find({x + dx, y + dy});
+        if (here == cells.end()) continue;
+        for (const std::size_t j : here->second) {
+          const Sample& b = samples.all[j];
+          if (a.left.dot(b.left) > facing_most) continue;
+          const Vec2 way = b.at - a.at;
+          const double across = side * a.left.dot(way), squared = way.squaredNorm();
+          if (!(across > 0) || !(squared < found.width * across)) continue;
+          const double distance = std::sqrt(squared);
+          if (across < facing * distance || -side * b.left.dot(way) < facing * distance) continue;
+          found = {i, j, squared / across};
+        }
+      }
+    if (found.to == i) continue;
+    const std::array<long, 3> part{a.chain, long(a.place.arc), std::lround(3 * a.place.part - 0.5)};
+    const auto [known, fresh] = tightest.try_emplace(part, found);
+    if (!fresh && found.width < known->second.width) known->second = found;
+  }
+  std::vector<Touching> all;
+  for (const auto& [part, pair] : tightest) all.push_back(pair);
+  return all;
+}
+
+/// Widths that were asked for, as they are measured at the end.
+void add_asked_widths(const DesignCurves& d, const Clearances& how, LinearRows& rows) {
+  const Samples samples = samples_of(d, how.fine);
+  for (const double side : {1.0, -1.0}) {
+    const double least = side > 0 ? how.members : how.gaps;
+    const bool widen = side > 0 ? how.widen_members : how.widen_gaps;
+    for (const Touching& pair : touching(samples, side, least + how.reach)) {
+      const Sample &a = samples.all[pair.from], &b = samples.all[pair.to];
+      const Vec2 way = (b.at - a.at).normalized();
+      rows.add(move_along(d, a, way) - move_along(d, b, way),
+               pair.width - (widen ? least : std::min(least, pair.width)));
+    }
+  }
+}
+
 void add_widths(const DesignCurves& d, const Samples& samples, const Clearances& how, LinearRows& rows) {
-  const double within = how.least + how.reach;
+  if (how.fine > 0) return add_asked_widths(d, how, rows);
+  const double within = std::max(how.members, how.gaps) + how.reach;
   const Cells cells(samples, within);
   for (std::size_t i = 0; i < samples.all.size(); ++i) {
     const Sample& a = samples.all[i];
@@ -181,8 +241,10 @@ void add_widths(const DesignCurves& d, const Samples& samples, const Clearances&
       const Vec2 way = b.at - a.at;
       const double distance = way.norm();
       // The width shrinks by n . (move of a - move of b); what is thinner than the least may not get thinner.
+      const double least = side > 0 ? how.members : how.gaps;
+      if (distance > least + how.reach) continue;
       rows.add(move_along(d, a, way / distance) - move_along(d, b, way / distance),
-               distance - std::min(how.least, distance));
+               distance - std::min(least, distance));
     }
   }
 }

@@ -39,10 +39,14 @@ Eigen::MatrixXd curvature_guess(const NormalMoves& moves, const DesignCurves& d,
 
 /// What must stay away from what: all within `reach` of their limits.
 struct Clearances {
-  double least;       // width of members and gaps
+  double members;     // least width
+  double gaps;        // between them
   double reach;       // how much a distance may change in a step
   double min_radius;  // 0: any
   double size;
+  double fine = 0;  // step at which widths are measured, as local thickness; 0: by the nearest samples
+  // Those that are narrower have to get wider; false: no narrower.
+  bool widen_members = false, widen_gaps = false;
 };
 /// How far the chains lie outside the frame, or in what stays solid.
 double overhang(const DesignCurves& d, const Shape& frame, const std::vector<Loop>& solid, double size);

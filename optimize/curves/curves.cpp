@@ -13,6 +13,7 @@
 
 #include "base/dense.hpp"
 #include "kerf/shape_gradient.hpp"
+#include "optimize/constraints/thickness.hpp"
 #include "optimize/curves/boundary.hpp"
 #include "optimize/curves/curve_mesh.hpp"
 #include "optimize/curves/fit.hpp"
@@ -51,6 +52,7 @@ constexpr std::size_t window = 10;  // steps over which less than `slow` of J me
 constexpr double slow = 2e-4;
 constexpr double settled = 0.03;                    // residual from which on knots stay where they are
 constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step and at the end
+constexpr double roomy = 1.01;                      // of the widths asked for
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rooms = 2;    // times that bounds are made to leave more room for what a finer mesh says
 constexpr int most_rounds = 12;  // of quadratic programs for a step
@@ -139,7 +141,10 @@ class CurvesRun {
   bool iterate();
   void descend(int& meshes);
   void end_inside();
+  Clearances clearances(double reach) const;
   void come_back(Point& x) const;
+  void widen(Point& x) const;
+  double narrowness(const DesignCurves& d) const;
   bool remesh(const DesignCurves& d, const std::string& note);
   bool space_anew();
   bool show();
@@ -321,12 +326,23 @@ double CurvesRun::violation(const Point& x) const {
   return violation_of(r_, x.bounds, x.area / whole_);
 }
 
+// Members and gaps that are asked for get a hundredth more: they are seen at samples.
+Clearances CurvesRun::clearances(double reach) const {
+  constexpr double fine = 0.1;  // step of samples
+  const double member = how_.min_feature, gap = how_.min_gap > 0 ? how_.min_gap : member;
+  const double thin = std::min(member > 0 ? member : infinity, gap > 0 ? gap : infinity);
+  return {.members = member > 0 ? roomy * member : size_,
+          .gaps = gap > 0 ? roomy * gap : size_,
+          .reach = reach,
+          .min_radius = std::max(how_.min_radius, least_radius * size_),
+          .size = size_,
+          .fine = thin < infinity ? std::min(0.5 * size_, fine * thin) : 0};
+}
+
 // c(x) + c'(x) step <= 0 for area and bounds. Distances that could come within their limits in a step of both sides,
 // two radii, are among the geometry.
 Linearized CurvesRun::linearized(const Point& x) const {
-  const double least = how_.min_feature > 0 ? how_.min_feature : size_;
-  const LinearRows geometry = clearance_rows(
-      x.curves, p_.frame, solid_, {least, 2 * radius_, std::max(how_.min_radius, least_radius * size_), size_});
+  const LinearRows geometry = clearance_rows(x.curves, p_.frame, solid_, clearances(2 * radius_));
   const Eigen::Index front = first_bound() + x.bound.size(), n = x.curves.variables;
   Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n),
                VectorXd(front + Eigen::Index(geometry.row.size()))};
@@ -607,6 +623,62 @@ void CurvesRun::come_back(Point& x) const {
   }
 }
 
+/// By how much members and gaps are narrower than asked for, the worst as a share of it.
+double CurvesRun::narrowness(const DesignCurves& d) const {
+  const std::vector<DrawnSide> sides = sides_of(shape_of(d));
+  std::vector<bool> moves;
+  for (const DrawnSide& side : sides) moves.push_back(side.label == d.label);
+  double worst = 0;
+  for (const bool gaps : {false, true})
+    if (const double asked = gaps ? how_.min_gap : how_.min_feature; asked > 0)
+      worst = std::max(worst, 1 - thinnest(sides, moves, gaps, asked).width / asked);
+  return worst;
+}
+
+/// Members and gaps as wide as asked for, by short steps with the area in mind, before anything is solved. Where there
+/// is no way the curves stay as they are: the end says what is too narrow.
+void CurvesRun::widen(Point& x) const {
+  if (how_.min_feature == 0 && how_.min_gap == 0) return;
+  constexpr double far = 0.3, enough = 5e-3;  // mesh sizes; of what is asked
+  const int most = 12 + int(2 * std::max(how_.min_feature, how_.min_gap) / (far * size_));
+  Point best = x;
+  double least = narrowness(x.curves);
+  Point y = x;
+  for (int k = 0; k < most && least > enough; ++k) {
+    Clearances how = clearances(far * size_);
+    how.widen_members = how_.min_feature > 0;
+    how.widen_gaps = how_.min_gap > 0;
+    LinearRows rows = clearance_rows(y.curves, p_.frame, solid_, how);
+    if (bounded_) rows.add(y.by_area, most_ - y.area);
+    MatrixXd A(Eigen::Index(rows.row.size()), y.curves.variables);
+    VectorXd room(A.rows());
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      A.row(i) = rows.row[std::size_t(i)];
+      room[i] = rows.room[std::size_t(i)];
+      // No more than a step can do of what is missing in width.
+      if (i + 1 < A.rows() || !bounded_) room[i] = std::max(room[i], -far * size_);
+    }
+    const NormalMoves moves = normal_moves(y.curves);
+    MatrixXd stiff = curvature_guess(moves, y.curves, size_);
+    steady(stiff, angles_of(y.curves), 1e-9);
+    VectorXd step = quadratic_step(cholesky(stiff), VectorXd::Zero(stiff.rows()), A, room).step;
+    const std::size_t chains = y.curves.chains.size();
+    step /= std::max(1.0, overreach(y.curves, moves, step,
+                                    {.radius = std::vector<double>(chains, far * size_),
+                                     .turn = std::vector<double>(chains, largest_angle)}));
+    if (!step.allFinite()) break;
+    for (int half = 0; half < 4 && !is_design(moved(y.curves, step)); ++half) step *= 0.5;
+    const DesignCurves next = moved(y.curves, step);
+    if (!is_design(next)) break;
+    y.curves = next;
+    y.area = area_of(next, &y.by_area);
+    y.fresh = false;
+    const double narrow = narrowness(next);
+    if (narrow < least && y.area <= most_ * (1 + 10 * area_error)) least = narrow, best = y;
+  }
+  x = best;
+}
+
 /// Curves on a mesh of their own; false: the end.
 bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
   std::string failure;
@@ -662,6 +734,7 @@ void CurvesRun::end_inside() {
     x_.fresh = false;
   }
   come_back(x_);
+  widen(x_);
   if (!x_.fresh) remesh(x_.curves, own_mesh);
 }
 
@@ -734,6 +807,7 @@ FinishedCurves CurvesRun::run() {
   inside.area = area_of(start, &inside.by_area);
   inside.by_bound.resize(start.variables, 0);
   come_back(inside);
+  widen(inside);
   std::optional<Point> first = evaluate(inside.curves, nullptr, failure);
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);

@@ -40,6 +40,7 @@ constexpr int coarse_steps = 40, fine_steps = 20;
 constexpr double fine_cells = 5000, coarse_share = 0.64;
 constexpr double most_cells = 12000;
 constexpr double cells_across = 2.5;  // a member of the smallest width asked for
+constexpr double wide = 0.55;         // the filter's radius against the width of members asked for
 
 /// A functional as far as the lattice knows it: compliance * C + volume * area.
 struct Known {
@@ -224,9 +225,14 @@ Densities minimized(const Level& at, const Schedule& how) {
   return (plain ? optimality_criteria : moving_asymptotes)(at.stage.lattice, at.pattern, at.stage.goal, how);
 }
 
-Schedule schedule(const Run& run, bool weight) {
-  Schedule how{.first_radius = run.first_radius,
-               .radius = radius,
+/// In cells: no narrower than members are wanted.
+double radius_of(const Lattice& l, const OptimizeRequest& r) {
+  return std::max(radius, wide * r.level_set.min_feature / l.cell);
+}
+
+Schedule schedule(const Run& run, double last_radius, bool weight) {
+  Schedule how{.first_radius = std::max(run.first_radius, last_radius),
+               .radius = last_radius,
                .first_exponent = run.first_exponent,
                .change_steps = run.change_steps,
                .most_steps = coarse_steps};
@@ -238,12 +244,14 @@ Schedule schedule(const Run& run, bool weight) {
 using Levels = std::array<Level, 2>;  // coarse, fine
 
 /// Judged by another lattice with as many cells.
-std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level& judge, const Run& run) {
-  Schedule how = schedule(run, !levels[0].stage.lattice.body.empty());
+std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level& judge, const Run& run,
+                                              const OptimizeRequest& r) {
+  Schedule how = schedule(run, radius_of(levels[0].stage.lattice, r), !levels[0].stage.lattice.body.empty());
   const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
   const Lattice& l = levels[1].stage.lattice;
   // The finer lattice goes on with the last radius and exponent, from the coarse design.
   how.change_steps = 0;
+  how.radius = radius_of(l, r);
   how.most_steps = fine_steps;
   how.start = Eigen::VectorXd::Zero(l.part.size());
   for (const Index c : l.cells)
@@ -253,10 +261,10 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
   const BlackWhite bw = judged(judge.stage, judge.pattern, found.density);
   d.compliance = l.compliance_unit * bw.goal;
   d.volume_fraction = bw.area / l.part.sum();
-  d.filter = radius;
+  d.filter = how.radius;
   d.steps += coarse.steps;
   d.name = fmt::format("density{}, filter {}{:.1f}", levels[0].stage.surrogate ? " of the compliance" : "",
-                       run.first_radius != radius ? fmt::format("{:.1f} to ", run.first_radius) : "", radius);
+                       run.first_radius > how.radius ? fmt::format("{:.1f} to ", run.first_radius) : "", how.radius);
   return {std::move(d), bw};
 }
 
@@ -277,7 +285,7 @@ std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeReque
   std::vector<std::pair<DensityDesign, BlackWhite>> designs(runs.size());
   parallel_tasks(static_cast<Index>(runs.size()), p.threads, [&](Index i) {
     const Run& run = runs[static_cast<std::size_t>(i)];
-    designs[static_cast<std::size_t>(i)] = designed(levels[run.cracks ? 1 : 0], levels.back()[1], run);
+    designs[static_cast<std::size_t>(i)] = designed(levels[run.cracks ? 1 : 0], levels.back()[1], run, r);
     if (cracked) designs[static_cast<std::size_t>(i)].first.name += run.cracks ? ", cracks weak" : ", no cracks";
   });
   std::stable_sort(designs.begin(), designs.end(), [](const auto& a, const auto& b) {

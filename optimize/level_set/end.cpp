@@ -120,12 +120,16 @@ void take_strong_phase(const LevelSetEnd& end, bool go_on, OptimizeResult& resul
   }
 }
 
-/// Whether a shape cuts what is frozen or is not its own image.
-bool breaks(const LevelSetEnd& end, const Shape& shape) {
+/// How many constraints on the shape itself (frozen regions, widths, the mirror) it does not keep.
+std::ptrdiff_t broken(const LevelSetEnd& end, const Shape& shape) {
+  const LevelSetRequest& how = end.g.r.level_set;
   OptimizeRequest asked;
-  asked.level_set.frozen = end.g.r.level_set.frozen;
-  asked.level_set.mirror = end.g.r.level_set.mirror;
-  return std::ranges::any_of(constraints_of({.shape = shape, .frame = &end.g.p.frame}, asked), is_broken);
+  asked.level_set.frozen = how.frozen;
+  asked.level_set.mirror = how.mirror;
+  asked.level_set.min_feature = how.min_feature;
+  asked.level_set.min_gap = how.min_gap;
+  return std::ranges::count_if(constraints_of({.shape = shape, .frame = &end.g.p.frame}, asked),
+                               [](const KeptConstraint& c) { return !c.kept; });
 }
 
 }  // namespace
@@ -140,7 +144,8 @@ bool curves_are_better(const LevelSetEnd& end) {
   const double before = violation_of(r, e.bounds, e.area / end.g.whole),
                after = violation_of(r, c.bounds, c.area / end.g.whole);
   if (after >= feasible_violation || before >= feasible_violation) return after < before;
-  if (breaks(end, c.shape) && !breaks(end, e.shape)) return false;
+  if (const auto of_curves = broken(end, c.shape), of_carved = broken(end, e.shape); of_curves != of_carved)
+    return of_curves < of_carved;
   // Curves leave room in bounds for what a finer mesh says, which costs J.
   const double meshes_differ = r.bounds.empty() ? 8e-4 : 2e-2, J = end.last ? end.last->J : c.J;
   if (J + r.volume_penalty * c.area <= (e.J + r.volume_penalty * e.area) + meshes_differ * std::abs(e.J)) return true;

@@ -114,6 +114,7 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
   CurvesRequest how{.size = g.size,
                     .min_radius = g.r.level_set.min_radius,
                     .min_feature = g.r.level_set.min_feature,
+                    .min_gap = g.r.level_set.min_gap,
                     .residual = residual};
   for (const FunctionalBound& bound : g.r.bounds) how.at_most.push_back(bound.at_most);
   how.evaluations = std::min(most_evaluations, g.r.max_iterations - d.progress().iteration - 1);

@@ -324,6 +324,35 @@ TEST(Curves, NoFrozenPartIsCut) {
   }
 }
 
+// A round hole beside the quarter hole: the member in between is too thin, and so is the gap of a second hole. Both get
+// what was asked for, and the area stays.
+TEST(Curves, ThinMembersAndNarrowGapsGetWider) {
+  std::mt19937 bits(11);
+  const auto dice = [&](double a, double b) { return a + (b - a) * (double(bits()) / double(std::mt19937::max())); };
+  for (int k = 0; k < 6; ++k) {
+    const Problem p = scenes::quarter_plate(2, 0.12);
+    Carved carved = scenes::quarter_hole(p, 0.5, 12);
+    const double asked = dice(0.15, 0.25), width = dice(0.4, 0.95) * asked, t = dice(0.3, pi / 2 - 0.3),
+                 radius = dice(0.15, 0.3);
+    const Vec2 center = (0.5 + width + radius) * Vec2(std::cos(t), std::sin(t));
+    std::vector<Vec2> points;
+    const double gap = k % 2 == 0 ? 2 * radius : 0.8 * asked;  // of an oval
+    for (int i = 0; i < 16; ++i) {
+      const double a = -2 * pi * i / 16;  // the body on the left
+      points.push_back(center + Vec2(radius * std::cos(a), 0.5 * gap * std::sin(a)));
+    }
+    carved.shape.holes.push_back(polygon("hole", points, 4));
+    carved.area = area(carved.shape);
+    OptimizeRequest r = stiffest(p, carved);
+    r.level_set.min_feature = asked;
+    if (k % 2 == 1) r.level_set.min_gap = asked;
+    const FinishedCurves f =
+        finish_curves(p, r, carved, {.min_feature = asked, .min_gap = r.level_set.min_gap, .evaluations = 4}, {});
+    for (const KeptConstraint& c : constraints_of({.shape = f.shape, .frame = &p.frame}, r))
+      EXPECT_TRUE(c.kept) << k << ": " << c.note << "; " << f.why;
+  }
+}
+
 // Two load cases, a bound on the worse of them.
 TEST(Curves, BoundsHoldInEveryLoadCase) {
   Problem p = scenes::quarter_plate(2, 0.2);
