@@ -86,11 +86,16 @@ class Fit {
   double optimality(const Linearized& l, const VectorXd& x) const;
   double freedom() const;
   double variance() const;
+  /// Whether combinations of the unknowns are.
+  bool is_open() const {
+    return rank_of(out_) < static_cast<int>(out_.combinations.size());
+  }
   void describe(const Linearized& l);
   void combine(const Linearized& l);
   void draw_ellipses();
   void look_at_finer(const Linearized& l);
-  FitVerdict verdict() const;
+  double difference_of_neighbors(const VectorXd& r) const;
+  FitVerdict verdict();
 
   Problem problem_;
   OptimizeRequest request_;
@@ -102,6 +107,7 @@ class Fit {
   Fault fault_ = Fault::Geometry;
   bool fresh_ = false;
   double damping_ = first_damping;
+  double neighbors_ = nan;             // mean square of what they differ by in what remains on the finer mesh
   std::vector<Eigen::Index> unknown_;  // at the end: off their bounds, which count as known [theory: I.6]
   LeastSquares out_;
 };
@@ -367,25 +373,55 @@ void Fit::look_at_finer(const Linearized& l) {
       G.row(static_cast<Eigen::Index>(k)) = l.G.row(unknown_[k]) / l.G.row(unknown_[k]).norm();
     const MatrixXd J = multiply_transposed(l.Q, G);
     const auto left = [&](const VectorXd& v) {
-      return unknown_.empty() ? v.squaredNorm() : (v - J * solve_least_norm(J, v)).squaredNorm();
+      return unknown_.empty() ? v : VectorXd(v - J * solve_least_norm(J, v));
     };
-    out_.finer = left(r);
-    out_.mesh = left(r - l.Q * l.p);
+    const VectorXd remains = left(r);
+    out_.finer = remains.squaredNorm();
+    out_.mesh = left(r - l.Q * l.p).squaredNorm();
+    neighbors_ = difference_of_neighbors(remains);
   } catch (const Error& error) {
     if (!of_one_body(error)) throw;
   }
 }
 
+/// The mean square of the differences between a component at a sensor and at the nearest other one: twice the variance
+/// of independent noise, and next to nothing where all that is missed is smooth [Neumann 1941; theory: I.11].
+double Fit::difference_of_neighbors(const VectorXd& r) const {
+  const std::vector<Vec2>& at = readings_.at;
+  if (at.size() < 2) return nan;
+  double sum = 0;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    double least = infinity;
+    std::size_t nearest = i;
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (const double away = (at[k] - at[i]).squaredNorm(); k != i && away < least) least = away, nearest = k;
+    sum += (r.segment<2>(2 * static_cast<Eigen::Index>(i)) - r.segment<2>(2 * static_cast<Eigen::Index>(nearest)))
+               .squaredNorm();
+  }
+  return sum / static_cast<double>(r.size());
+}
+
 /// chi2 by its distribution, on both meshes. A finer mesh yet could change it once more by what this one has changed,
-/// at most: what that explains, the mesh is to blame for.
-FitVerdict Fit::verdict() const {
-  const bool is_tested = !out_.estimated && freedom() > 0;
-  const double limit = std::sqrt(out_.most * variance());
-  const bool here = is_tested && std::sqrt(out_.end) > limit, there = is_tested && std::sqrt(out_.finer) > limit;
-  if (here && std::sqrt(out_.finer) - std::sqrt(out_.mesh) > limit) return FitVerdict::Unexplained;
-  if (rank_of(out_) < static_cast<int>(out_.combinations.size())) return FitVerdict::Undetermined;
-  if (here || there) return FitVerdict::Coarse;
-  return is_tested ? FitVerdict::Explained : FitVerdict::Untested;
+/// at most: what that explains, the mesh is to blame for. A noise that is not given is read off neighbors, and only
+/// where these are missed in the same way beyond chance is that noise believed.
+FitVerdict Fit::verdict() {
+  if (!(freedom() > 0)) return is_open() ? FitVerdict::Undetermined : FitVerdict::Untested;
+  const double n = static_cast<double>(measured_.size()), chi = chi_square_quantile(refuting, freedom());
+  const double noise = out_.estimated ? std::sqrt(0.5 * neighbors_) : readings_.noise, limit = noise * std::sqrt(chi);
+  const bool here = std::sqrt(out_.end) > limit, there = std::sqrt(out_.finer) > limit;
+  // Each pair of neighbors may count twice: a variance of 8/n of the ratio, whose mean is 2; 3.09 deviations are 99.9
+  // %.
+  const bool is_smooth = neighbors_ < (2 - 3.09 * std::sqrt(8 / n)) * out_.finer / n;
+  const bool refuted = here && std::sqrt(out_.finer) - std::sqrt(out_.mesh) > limit && (!out_.estimated || is_smooth);
+  if (!out_.estimated || refuted) {
+    out_.noise = noise;
+    out_.expected = {chi_square_quantile(0.025, freedom()), chi_square_quantile(0.975, freedom())};
+    out_.most = chi;
+  }
+  if (refuted) return FitVerdict::Unexplained;
+  if (is_open()) return FitVerdict::Undetermined;
+  if (out_.estimated) return FitVerdict::Untested;
+  return here || there ? FitVerdict::Coarse : FitVerdict::Explained;
 }
 
 // Each round is on a mesh made for its first design; the misfit there differs from that of the round before by the
@@ -423,10 +459,6 @@ LeastSquares Fit::run(const VectorXd& start) {
   out_.gain = variance() > 0 ? std::max(0.0, l.p.squaredNorm() - best) / variance() : 0;
   describe(l);
   combine(l);
-  if (!out_.estimated && freedom() > 0) {
-    out_.expected = {chi_square_quantile(0.025, freedom()), chi_square_quantile(0.975, freedom())};
-    out_.most = chi_square_quantile(refuting, freedom());
-  }
   look_at_finer(l);
   out_.verdict = verdict();
   if (out_.verdict != FitVerdict::Unexplained) draw_ellipses();
@@ -474,9 +506,9 @@ namespace {
 std::string chi_square_in_words(const LeastSquares& fit) {
   if (!std::isfinite(fit.most)) return {};
   const double unit = fit.noise * fit.noise * fit.readings, n = fit.readings;
-  std::string words =
-      fmt::format("chi^2/N {:.3g} where the noise makes it {:.2f} to {:.2f} (95 %) and below {:.2f} (99.9 %)",
-                  fit.end / unit, fit.expected[0] / n, fit.expected[1] / n, fit.most / n);
+  std::string words = fmt::format(
+      "chi^2/N {:.3g} where the noise{} makes it {:.2f} to {:.2f} (95 %) and below {:.2f} (99.9 %)", fit.end / unit,
+      fit.estimated ? " between neighboring readings" : "", fit.expected[0] / n, fit.expected[1] / n, fit.most / n);
   if (std::isfinite(fit.finer)) words += fmt::format("; {:.3g} on a finer mesh", fit.finer / unit);
   return words;
 }

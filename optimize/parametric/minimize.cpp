@@ -330,7 +330,11 @@ nlopt_result Run::run(OptimizeMethod method, const VectorXd& from) {
   if (m > 0) nlopt_add_inequality_mconstraint(opt_, m, constraints, this, tolerance.data());
   // NLopt sees the objective over its scale. The first step of slsqp is as long as the slope: a restart begins with
   // short ones, since it is near a minimum, where long ones may end at designs that cannot be evaluated.
-  const double scale = is_restart_ ? scale_of(*best_, program_.lower, program_.upper) : first_scale_;
+  const bool has_slope = best_->gradients.cols() > 0;
+  const double slope = has_slope ? best_->gradients.col(0).cwiseProduct(width_).lpNorm<Eigen::Infinity>() : 0,
+               scale = stop_.by_slope && slope > 0 ? slope
+                       : is_restart_               ? scale_of(*best_, program_.lower, program_.upper)
+                                                   : first_scale_;
   const double reach = method == OptimizeMethod::Slsqp ? (is_restart_ ? short_reach : stop_.reach) : 1;
   nlopt_scale_ = scale > 0 ? scale / reach : 1;
   is_restart_ = true;

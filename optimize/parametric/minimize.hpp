@@ -49,6 +49,7 @@ struct Stop {
   double value = 1e-8;        // relative change of the objective
   double simplex = 0.1;       // cobyla: its first steps, relative to the boxes
   double reach = 1;           // slsqp: its first step, relative to the boxes, where the slope is as large as J
+  bool by_slope = false;      // ... or however small the slope is: to see what lies around a flat place
 };
 
 struct Minimum {

@@ -36,6 +36,7 @@ using Eigen::VectorXd;
 
 constexpr double feasibility = 1e-6;  // relative violations that do not count
 constexpr int most_rooms = 2;         // times that bounds are made to leave room
+constexpr int confirming = 10;        // evaluations that try to better an end that looks like an optimum
 constexpr double fallen = 0.1;        // of J at the start: below it, what is left may be the error of the mesh
 
 /// Squares, gaps and release rates: the least that they can be is 0.
@@ -518,16 +519,24 @@ OptimizeResult Rounds::run() {
     const int evaluations = left();
     begun = begin_round(round, x, found);
     if (!begun) break;
-    if (round == 0) scale = scale_of(begun->evaluation, lower_, upper_);
+    const Evaluation start = begun->evaluation;
+    if (round == 0) scale = scale_of(start, lower_, upper_);
+    const double scaled_by = round > 0 && scaled_anew ? mesh_error_ : scale;
+    // An end that looks like an optimum is confirmed by a few steps that ask for more.
+    const double kkt = start.gradients.cols() > 0
+                           ? kkt_residual(start, lower_, upper_, std::max(scale_of(start, lower_, upper_), scaled_by))
+                           : nan;
+    const bool is_confirmed_here = round > 0 && kkt <= request_.tolerance && violation_of(start) <= feasibility;
     // The objective's own tolerance is far below that of rounds: the KKT residual ends a round.
     found = minimize(asked, x, method,
-                     {.evaluations = evaluations,
-                      .kkt = request_.tolerance,
-                      .scale = round > 0 && scaled_anew ? mesh_error_ : scale,
+                     {.evaluations = is_confirmed_here ? std::min(evaluations, confirming) : evaluations,
+                      .kkt = (is_confirmed_here ? 0.1 : 1) * request_.tolerance,
+                      .scale = scaled_by,
                       .feasibility = feasibility,
                       .value = (round == 0 ? 1e-3 : 1e-6) * request_.tolerance,
                       .simplex = round == 0 ? 0.1 : 0.02,
-                      .reach = round == 0 ? 1 : 0.05});
+                      .reach = round == 0 ? 1 : 0.05,
+                      .by_slope = is_confirmed_here});
     note(found);
     x = found.best.x;
     // Rows know their variables: the best design is the last row that has them.
@@ -537,12 +546,22 @@ OptimizeResult Rounds::run() {
     if (found.asked_to_stop) break;
     mesh_error_ = error_by_mesh(result_.history[best]);
     const bool is_settled = settled(result_.history[first], result_.history[best], found.feasible);
+    if (is_confirmed_here && is_settled && !found.converged) {
+      // Those steps gained nothing: the end stands as it was.
+      best = first;
+      x = start.x;
+      found.kkt = kkt;
+      found.converged = true;
+    }
     if (left() < 1) {
       if (!is_settled && found.converged) found.reason = "all evaluations are used before a restart could confirm it";
       found.converged = found.converged && is_settled;
       break;
     }
-    if (is_settled && !leave_room(result_.history[best])) break;
+    // What has come to an optimum at once is confirmed by a restart, which takes steps: to an optimum again, or those
+    // that ask for more.
+    const bool is_done = is_settled && (round > 0 || !found.converged || !wants_gradients());
+    if (is_done && !leave_room(result_.history[best])) break;
     if (round + 1 == most_rounds) {
       found.converged = false;
       found.reason = fmt::format("{} rounds on fresh meshes did not settle", most_rounds);

@@ -67,6 +67,7 @@ TEST(LeastSquares, FindsAHoleFromAFarStart) {
   EXPECT_LT(fit.end, 1e-3 * fit.start);
   EXPECT_LT(fit.optimality, 5e-3);
   EXPECT_TRUE(fit.estimated);
+  EXPECT_EQ(fit.verdict, FitVerdict::Untested);  // what is left is smooth, but it is the mesh's
   EXPECT_EQ(fit.readings, 2 * static_cast<int>(exact.with_noise(0, 1).at.size()));
 }
 

@@ -61,6 +61,11 @@ TEST(Verdict, TheRightModelIsOptimal) {
     const double chi = j.fit.end / (noisy.noise * noisy.noise);
     inside += j.fit.expected[0] <= chi && chi <= j.fit.expected[1];
     for (Eigen::Index i = 0; i < 3; ++i) EXPECT_GT(deviation_of(j.fit, i), 0);
+    if (seed > 8) continue;
+    noisy.noise = 0;
+    const Judged unknown = judged(plate, {{plate.circle("h")}}, j.fit.variables, noisy);
+    EXPECT_EQ(unknown.fit.verdict, FitVerdict::Untested) << unknown.result.stopped;
+    EXPECT_EQ(unknown.result.ending, Ending::Optimal) << unknown.result.stopped;
   }
   EXPECT_GE(inside, 16);  // fewer of 20 happen once in 400 times
 }
@@ -75,13 +80,16 @@ TEST(Verdict, TheWrongModelIsRefuted) {
   crack.noise = 0.003;
   for (const Plate& plate : {two, crack}) {
     const Synthetic truth = plate.truth();
-    const Readings readings = readings_of(measure(truth), truth);
-    const Judged j = judged(plate, {{plate.circle("h")}}, Eigen::Vector3d(0.5, 0.5, 0.1), readings);
-    EXPECT_EQ(j.fit.verdict, FitVerdict::Unexplained) << j.result.stopped;
-    EXPECT_EQ(j.result.ending, Ending::Unexplained) << j.result.stopped;
-    EXPECT_TRUE(j.fit.ellipses.empty());
-    for (Eigen::Index i = 0; i < 3; ++i) EXPECT_TRUE(std::isnan(deviation_of(j.fit, i)));
-    EXPECT_EQ(j.result.stopped.rfind("the model does not explain the readings: chi^2/N ", 0), 0u) << j.result.stopped;
+    Readings readings = readings_of(measure(truth), truth);
+    for (const bool known : {true, false}) {
+      if (!known) readings.noise = 0;
+      const Judged j = judged(plate, {{plate.circle("h")}}, Eigen::Vector3d(0.5, 0.5, 0.1), readings);
+      EXPECT_EQ(j.fit.verdict, FitVerdict::Unexplained) << known << j.result.stopped;
+      EXPECT_EQ(j.result.ending, Ending::Unexplained) << j.result.stopped;
+      EXPECT_TRUE(j.fit.ellipses.empty());
+      for (Eigen::Index i = 0; i < 3; ++i) EXPECT_TRUE(std::isnan(deviation_of(j.fit, i)));
+      EXPECT_EQ(j.result.stopped.rfind("the model does not explain the readings: chi^2/N ", 0), 0u);
+    }
   }
 }
 
