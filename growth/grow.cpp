@@ -14,6 +14,7 @@
 #include "growth/life.hpp"
 #include "growth/piece.hpp"
 #include "growth/rates.hpp"
+#include "growth/spectrum.hpp"
 #include "growth/step.hpp"
 #include "growth/symmetry_search.hpp"
 #include "kerf/fracture.hpp"
@@ -184,6 +185,12 @@ class Growing {
   }
 
   Grown run() {
+    if (!of_.spectrum.empty() && !proportional_)
+      throw Error(
+          Fault::Usage,
+          "[grow]: K at the levels of a spectrum is found where all is proportional to the loads; gaps, strains of "
+          "the material (heat, swelling) and a slip bound are not: take one cycle, or leave them out");
+    block_ = merged(rainflow_of_block(of_.spectrum));
     if (!of_.law && !proportional_)
       throw Error(
           Fault::Usage,
@@ -298,10 +305,22 @@ class Growing {
       if (tip.dK <= nothing) tip.dK = 0;
       return;
     }
+    if (!block_.empty()) {
+      const double level = std::max(std::abs(of_.max), std::abs(of_.min)), up = level / of_.max,
+                   down = of_.min < 0 ? level / of_.min : 0;
+      const TipLoad pushed{up * tip.K_I, up * tip.K_II, up * tip.T};
+      const TipLoad pulled =
+          down == 0 ? TipLoad{-pushed.K_I, -pushed.K_II, 0} : TipLoad{-down * tip.K_I_min, -down * tip.K_II_min, 0};
+      const LoadCurve curve = LoadCurve::homogeneous(level, pushed, pulled);
+      tip.rate = block_growth(*of_.law, block_, curve, Equivalence::Opening, tip.a);
+    }
     const EquivalentCycle cycle = equivalent(Equivalence::Opening, top, {tip.K_I_min, tip.K_II_min, 0});
     tip.dK = cycle.K_max - cycle.K_min;
     if (tip.dK <= nothing) tip.dK = 0;
-    tip.rate = tip.dK == 0 ? 0 : growth::rate(*of_.law, cycle.K_max, cycle.K_min, tip.a);
+    if (tip.dK == 0)
+      tip.rate = 0;
+    else if (block_.empty())
+      tip.rate = growth::rate(*of_.law, cycle.K_max, cycle.K_min, tip.a);
   }
 
   /// Sets da of those that grow. False: none does, and why is in `ended`.
@@ -564,9 +583,10 @@ class Growing {
   Adaptation how_;
   const WatchGrowth& watch_;
   bool proportional_;
-  double step_ = 0, scale_ = 1;  // of this step: scale_ step_
-  int since_kink_ = 10;          // steps
-  double of_tips_ = 0;           // Sizing::crack_tip_size as given
+  std::vector<LoadCycle> block_;  // of the spectrum
+  double step_ = 0, scale_ = 1;   // of this step: scale_ step_
+  int since_kink_ = 10;           // steps
+  double of_tips_ = 0;            // Sizing::crack_tip_size as given
   /// Lengths of a tip at the steps, its own share of the crack and what it has grown by, and rates there.
   struct Track {
     std::vector<double> x, rates, G;  // G of the state that was solved

@@ -61,9 +61,10 @@ struct GrowRequest {
   std::optional<double> toughness = {};  // K_Ic: quasi-static growth
   std::optional<GrowthLaw> law = {};     // else by fatigue
   Criterion criterion = Criterion::LocalSymmetry;
-  std::vector<CrackEnd> tips = {};  // that may grow; none: all
-  double max = 1, min = 0;          // of a cycle: factors of the loads
-  double step = 0;                  // by which the fastest tip grows; 0: a tenth of the shortest crack that grows
+  std::vector<CrackEnd> tips = {};    // that may grow; none: all
+  double max = 1, min = 0;            // of a cycle: factors of the loads
+  std::vector<double> spectrum = {};  // or a history of such factors that repeats, with max and min: cycles are blocks
+  double step = 0;                    // by which the fastest tip grows; 0: a tenth of the shortest crack that grows
   // Of what cracks have grown by, and of the cycles: growth is repeated with half the step until two runs differ by no
   // more than that; 0: once.
   double tolerance = 0;

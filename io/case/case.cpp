@@ -279,7 +279,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_map(document, c);
   read_probes(document, origin.folder, c);
   read_bounds(document, c);
-  read_grow(document, c);
+  read_grow(document, origin.folder, c);
   read_output(document, c);
   c.folder = origin.folder;
   if (c.optimize) c.fingerprint = fingerprint(root, c.folder);

@@ -2,6 +2,7 @@
 
 #include "growth/rates.hpp"
 #include "io/case/sections.hpp"
+#include "io/case/table.hpp"
 #include "io/words.hpp"
 
 #include <fmt/format.h>
@@ -69,9 +70,19 @@ growth::CrackEnd read_end(const Value& item, const Case& c) {
   return {static_cast<Index>(crack - known.begin()), end == "start"};
 }
 
+/// The factors of the loads in a table, and the largest and the least of them.
+void read_spectrum(const Value& file, const std::filesystem::path& folder, growth::GrowRequest& to) {
+  for (const std::vector<double>& row : read_table(folder / text(file), file, {"load"})) to.spectrum.push_back(row[0]);
+  const auto [least, most] = std::ranges::minmax(to.spectrum);
+  if (!(most > 0 && least < most))
+    fail(file.node->position, file.name + ": the loads must change, and the largest one must be positive");
+  to.max = most;
+  to.min = least;
+}
+
 }  // namespace
 
-void read_grow(const Value& document, Case& c) {
+void read_grow(const Value& document, const std::filesystem::path& folder, Case& c) {
   const auto table = find_table(document, "grow");
   if (!table) return;
   allow_only(*table);
@@ -84,6 +95,10 @@ void read_grow(const Value& document, Case& c) {
     allow_only(*cycle);
     if (to.toughness)
       fail(cycle->node->position, cycle->name + " goes with a law of fatigue, not with \"quasi-static\"");
+    const auto file = find(*cycle, "file");
+    if (file && (find(*cycle, "max") || find(*cycle, "min")))
+      fail(file->node->position, file->name + " has all loads; leave out max and min");
+    if (file) read_spectrum(*file, folder, to);
     take(*cycle, "max", to.max);
     take(*cycle, "min", to.min);
     if (!(to.min < to.max)) fail(cycle->node->position, cycle->name + ": min must be below max");

@@ -663,6 +663,12 @@ constexpr Key rows[] = {
      "forces, pressures in cracks."},
     {"grow.cycle.max", Number, {.range = above_zero}, "The largest.", "1.2", "1"},
     {"grow.cycle.min", Number, {}, "The least, below max; negative: reversed.", "0.1", "0"},
+    {"grow.cycle.file",
+     Text,
+     {},
+     "A table with a column load: a history of such factors, which repeats. Its cycles are counted by rainflow; cycles "
+     "of results are repetitions of it then.",
+     "\"spectrum.csv\""},
     {"grow.step",
      Number,
      {.range = above_zero},

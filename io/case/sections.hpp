@@ -111,8 +111,8 @@ void read_probes(const Value& document, const std::filesystem::path& folder, Cas
 /// [bounds].
 void read_bounds(const Value& document, Case& c);
 
-/// [grow].
-void read_grow(const Value& document, Case& c);
+/// [grow]; files lie relative to `folder`.
+void read_grow(const Value& document, const std::filesystem::path& folder, Case& c);
 
 /// The quantity that mesh.adapt refines for, if it names one. After the shape.
 std::optional<GoalRequest> read_goal(const Value& adapt, const Case& c);

@@ -98,6 +98,19 @@ TEST(GrowRun, RunGrowsToo) {
   EXPECT_FALSE(run(c, Job::Solve, {.folder = other.path / "out", .threads = 1}).growth);
 }
 
+TEST(GrowRun, SpectraComeFromTables) {
+  const TemporaryFolder folder;
+  folder.write("s.csv", "time,load\n0,0\n1,1.5\n2,-0.5\n3,1\n");
+  const Case c =
+      read_case(folder.write("a.toml", plate + fatigue), std::vector<std::string>{"grow.cycle.file=\"s.csv\""});
+  EXPECT_EQ(c.grow->spectrum, (std::vector<double>{0, 1.5, -0.5, 1}));
+  EXPECT_EQ(c.grow->max, 1.5);
+  EXPECT_EQ(c.grow->min, -0.5);
+  folder.write("s.csv", "load\n1\n1\n");
+  EXPECT_THROW(
+      read_case(folder.write("a.toml", plate + fatigue), std::vector<std::string>{"grow.cycle.file=\"s.csv\""}), Error);
+}
+
 TEST(GrowRun, RefusalsNameWhatIsWrong) {
   EXPECT_NE(refusal("[grow]\nstep = 1\n").find("law"), std::string::npos);
   EXPECT_NE(refusal("[grow]\nlaw = { kind = \"pariss\", C = 1, m = 3 }\n").find("did you mean \"paris\""),

@@ -163,6 +163,23 @@ TEST(Grow, SaysWhyItEnds) {
   EXPECT_THROW(grown(through, {.law = paris, .tips = {{0, true}}}), Error);  // it ends on the outline
 }
 
+// A history of two equal cycles is two cycles, and smaller ones between them count as rainflow counts them.
+TEST(Grow, SpectraAreBlocks) {
+  const Body b = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1, {});
+  const GrowRequest once{.law = paris, .step = 0.2, .steps = 1};
+  const double rate = grown(b, once).steps[0].tips[0].rate;
+  GrowRequest twice = once;
+  twice.spectrum = {0, 1, 0, 1};
+  EXPECT_NEAR(grown(b, twice).steps[0].tips[0].rate, 2 * rate, 1e-12 * rate);
+  GrowRequest mixed = once;  // 0-1, and .5-.75 within
+  mixed.spectrum = {0, 0.75, 0.5, 1};
+  EXPECT_NEAR(grown(b, mixed).steps[0].tips[0].rate, (1 + std::pow(0.25, 3)) * rate, 1e-9 * rate);
+  GrowRequest reversed = once;  // closed where the load is reversed
+  reversed.spectrum = {-1, 1};
+  reversed.min = -1;
+  EXPECT_NEAR(grown(b, reversed).steps[0].tips[0].rate, rate, 1e-3 * rate);
+}
+
 // With contact the least load of a cycle closes the crack: K there is 0, whatever its sign.
 TEST(Grow, ClosureIsComputed) {
   const Body open = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1),
