@@ -13,6 +13,7 @@
 
 #include "base/dense.hpp"
 #include "kerf/shape_gradient.hpp"
+#include "optimize/constraints.hpp"
 #include "optimize/constraints/thickness.hpp"
 #include "optimize/curves/boundary.hpp"
 #include "optimize/curves/curve_mesh.hpp"
@@ -52,6 +53,7 @@ constexpr std::size_t window = 10;  // steps over which less than `slow` of J me
 constexpr double slow = 2e-4;
 constexpr double settled = 0.03;                    // residual from which on knots stay where they are
 constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step and at the end
+constexpr double of_width = 1 - kept_thickness;     // that may be missing
 constexpr double roomy = 1.01;                      // of the widths asked for
 constexpr int most_meshes_at_end = 4;
 constexpr int most_rooms = 2;    // times that bounds are made to leave more room for what a finer mesh says
@@ -160,6 +162,7 @@ class CurvesRun {
   const std::vector<CurvesRow>& known_;
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
   bool bounded_ = false, forgotten_ = false;
+  bool wide_ = true;    // widths asked for can be had; otherwise the end says what is too narrow
   double outside_ = 0;  // of the frame
   double least_residual_ = infinity;
   std::vector<double> track_;  // merits since the last new mesh
@@ -336,7 +339,7 @@ Clearances CurvesRun::clearances(double reach) const {
           .reach = reach,
           .min_radius = std::max(how_.min_radius, least_radius * size_),
           .size = size_,
-          .fine = thin < infinity ? std::min(0.5 * size_, fine * thin) : 0};
+          .fine = wide_ && thin < infinity ? std::min(0.5 * size_, fine * thin) : 0};
 }
 
 // c(x) + c'(x) step <= 0 for area and bounds. Distances that could come within their limits in a step of both sides,
@@ -640,11 +643,12 @@ double CurvesRun::narrowness(const DesignCurves& d) const {
 void CurvesRun::widen(Point& x) const {
   if (how_.min_feature == 0 && how_.min_gap == 0) return;
   constexpr double far = 0.3, enough = 5e-3;  // mesh sizes; of what is asked
+  constexpr int patience = 4;                 // steps without gain
   const int most = 12 + int(2 * std::max(how_.min_feature, how_.min_gap) / (far * size_));
   Point best = x;
   double least = narrowness(x.curves);
   Point y = x;
-  for (int k = 0; k < most && least > enough; ++k) {
+  for (int k = 0, idle = 0; k < most && idle < patience && least > enough; ++k) {
     Clearances how = clearances(far * size_);
     how.widen_members = how_.min_feature > 0;
     how.widen_gaps = how_.min_gap > 0;
@@ -674,9 +678,10 @@ void CurvesRun::widen(Point& x) const {
     y.area = area_of(next, &y.by_area);
     y.fresh = false;
     const double narrow = narrowness(next);
-    if (narrow < least && y.area <= most_ * (1 + 10 * area_error)) least = narrow, best = y;
+    ++idle;
+    if (narrow < least && y.area <= most_ * (1 + 10 * area_error)) least = narrow, best = y, idle = 0;
   }
-  x = best;
+  if (least <= of_width) x = best;
 }
 
 /// Curves on a mesh of their own; false: the end.
@@ -734,7 +739,7 @@ void CurvesRun::end_inside() {
     x_.fresh = false;
   }
   come_back(x_);
-  widen(x_);
+  if (wide_) widen(x_);
   if (!x_.fresh) remesh(x_.curves, own_mesh);
 }
 
@@ -808,6 +813,7 @@ FinishedCurves CurvesRun::run() {
   inside.by_bound.resize(start.variables, 0);
   come_back(inside);
   widen(inside);
+  wide_ = narrowness(inside.curves) <= of_width;
   std::optional<Point> first = evaluate(inside.curves, nullptr, failure);
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);
