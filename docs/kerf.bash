@@ -170,6 +170,7 @@ grow.criterion
 grow.tips
 grow.cycle.max
 grow.cycle.min
+grow.cycle.file
 grow.step
 grow.tolerance
 grow.until.length
