@@ -190,7 +190,7 @@ class Growing {
           Fault::Usage,
           "[grow]: K at the levels of a spectrum is found where all is proportional to the loads; gaps, strains of "
           "the material (heat, swelling) and a slip bound are not: take one cycle, or leave them out");
-    block_ = merged(rainflow_of_block(of_.spectrum));
+    if (!of_.spectrum.empty()) block_ = merged(rainflow_of_block(of_.spectrum));
     if (!of_.law && !proportional_)
       throw Error(
           Fault::Usage,
