@@ -1,11 +1,11 @@
 // Growth of cracks, step by step:
 //   state at the loads of a cycle -> K, T at the tips -> which tips grow, and how far (rates, or the tip that needs the
 //   least load) -> the direction: predicted by the kink series [theory: G.1], then found on the grown body itself:
-//   k_2 = 0 at the new tip, a secant step per solve -> the next state.
+//   k_2 = 0 at the new tip [theory: G.21] -> the next state.
 // The first piece from a tip that is loaded in shear is straight, at the kink angle; later ones are arcs that leave the
-// crack without a kink, drawn by four chords: the path is C1 and its error of second order in the step. K is linear in
-// the load where faces do not change what they do, so that states at other loads are solved only with gaps, with
-// strains of their own, or where loads change their sign. docs/theory/growth.md.
+// crack without a kink, drawn by chords as long as the edges at the tip: the path is C1 and its error of second order
+// in the step. K is linear in the load where faces do not change what they do, so that states at other loads are solved
+// only with gaps, with strains of their own, or where loads change their sign. docs/theory/growth.md.
 
 #include "kerf/growth.hpp"
 
@@ -215,6 +215,10 @@ class Growing {
     check_stop();
     ++grown_.solves;
     Solved s{.body = solve_graded(shape, sizing_, element_, with_loads(scene_, load), how_), .tips = {}};
+    if (!certified(s.body.state))
+      throw Error(Fault::Numerics,
+                  fmt::format("a state of growth could not be solved: the equations hold to {:.2g} only",
+                              s.body.state.certificate.kkt));
     for (const TipIntensity& t : crack_tips(s.body.model, s.body.state)) s.tips[{t.crack, t.at_start}] = t;
     return s;
   }
@@ -346,7 +350,12 @@ class Growing {
     const int before = grown_.solves;
     const std::optional<Solved> bottom = least(shape_);
     for (const auto& [end, unused] : active_) {
-      if (!now.tips.contains(end) || !std::isfinite(now.tips.at(end).K_I)) continue;
+      if (!now.tips.contains(end)) continue;  // it has met something
+      if (!std::isfinite(now.tips.at(end).K_I)) {
+        grown_.ended =
+            fmt::format("there is no K at {}: something is too near, or the mesh too coarse", name_of(shape_, end));
+        continue;
+      }
       s.tips.push_back(measured(end, now, bottom ? &*bottom : nullptr));
       load(s.tips.back(), nothing(s.tips.back(), now));
     }
@@ -354,11 +363,8 @@ class Growing {
     count_cycles(s);
     if (step_ == 0) choose_step(s);
     scale_step(s);
-    if (s.tips.empty()) {
-      grown_.ended = "no tip is left inside the body";
-    } else if (share_out(s)) {
-      end_where_asked(s);
-    }
+    if (grown_.ended.empty() && s.tips.empty()) grown_.ended = "no tip is left inside the body";
+    if (grown_.ended.empty() && share_out(s)) end_where_asked(s);
     std::optional<Solved> next;
     if (grown_.ended.empty()) next = advance(s, now);
     s.solves = grown_.solves - before;
