@@ -308,10 +308,35 @@ class Builder {
     return {};
   }
 
+  /// A half fitted as it goes on beyond the line, which it crosses at a right angle: the ends on the line are knots,
+  /// and what is drawn there is as near to the points as anywhere.
+  Fitted fit_half(const ChainTrace& half, bool closed) const {
+    const std::size_t n = half.points.size(), first = closed ? n - 1 : 0, last = first + n - 1;
+    ChainTrace around;
+    const auto put = [&](const Vec2& x, bool pinned) {
+      around.points.push_back(x);
+      around.pinned.push_back(pinned);
+    };
+    for (std::size_t i = n; closed && i-- > 1;) put(image_of(*how_.mirror, half.points[i]), half.pinned[i]);
+    for (std::size_t i = 0; i < n; ++i) put(half.points[i], half.pinned[i] || i + 1 == n || (closed && i == 0));
+    for (std::size_t i = n - 1; i-- > 0;) put(image_of(*how_.mirror, half.points[i]), half.pinned[i]);
+    Fitted all = fit_arcs(around, {how_.tolerance, how_.least_spacing});
+    Fitted part{.chain = {}, .point = {}, .distance = all.distance};
+    for (std::size_t k = 0; k < all.point.size(); ++k) {
+      const Index at = all.point[k];
+      const bool begun = !part.chain.knots.empty() || (at != none && std::size_t(at) == first);
+      if (!begun) continue;
+      part.chain.knots.push_back(all.chain.knots[k]);
+      part.point.push_back(at == none ? none : at - Index(first));
+      if (at != none && std::size_t(at) == last) break;
+    }
+    return part;
+  }
+
   /// A half and its image. On the line the chain runs across it, whatever moves.
   Index add_doubled(const ChainTrace& half, const ChainTrace& whole) {
     const bool closed = whole.closed;
-    Fitted fitted = fit_arcs(half, {how_.tolerance, how_.least_spacing});
+    Fitted fitted = fit_half(half, closed);
     std::vector<Knot>& knots = fitted.chain.knots;
     const std::size_t m = knots.size() - 1, count = closed ? 2 * m : 2 * m + 1;
     const Mirror& mirror = *how_.mirror;
