@@ -2,6 +2,7 @@
 // random lines.
 
 #include "optimize/constraints/mirrored.hpp"
+#include "geometry/plane.hpp"
 
 #include "optimize/constraints.hpp"
 #include "optimize/curves.hpp"
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace kerf::mirrored_test {
@@ -202,6 +204,18 @@ VectorXd random_step(Dice& dice, Eigen::Index n, double size) {
 }
 
 // Pairs of chains, chains across the line, closed and open ones, whatever the line.
+/// Points of flat arcs are known to the rounding of their centers, as constraints_of has it.
+double rounding(const Shape& shape) {
+  double flat = 0;
+  const auto look = [&](const Loop& loop) {
+    for (const Side& side : loop.sides)
+      if (side.arc) flat = std::max(flat, largest_radius(*side.arc));
+  };
+  look(shape.outline);
+  for (const Loop& hole : shape.holes) look(hole);
+  return std::max(1e-13, 4 * std::numeric_limits<double>::epsilon() * flat);
+}
+
 TEST(Mirrored, CurvesMoveWithTheirImages) {
   Dice dice(2);
   for (int k = 0; k < 24; ++k) {
@@ -216,9 +230,9 @@ TEST(Mirrored, CurvesMoveWithTheirImages) {
                            .held = {},
                            .mirror = t.mirror};
     const DesignCurves d = design_curves(t.frame, carved_of(*whole, 4), rules);
-    EXPECT_LE(asymmetry(shape_of(d), t.mirror).distance, 1e-13);
+    EXPECT_LE(asymmetry(shape_of(d), t.mirror).distance, rounding(shape_of(d)));
     const DesignCurves next = moved(d, random_step(dice, d.variables, 0.01));
-    EXPECT_LE(asymmetry(shape_of(next), t.mirror).distance, 1e-13);
+    EXPECT_LE(asymmetry(shape_of(next), t.mirror).distance, rounding(shape_of(next)));
     EXPECT_NE(pack(next), pack(d));
     // Less than half as many as without the mirror need.
     CurveRules alone = rules;
@@ -244,9 +258,9 @@ TEST(Mirrored, CurvesMoveWithTheirImages) {
     }
     DesignCurves even = next;
     even_out(even);
-    EXPECT_LE(asymmetry(shape_of(even), t.mirror).distance, 1e-13);
+    EXPECT_LE(asymmetry(shape_of(even), t.mirror).distance, rounding(shape_of(even)));
     EXPECT_TRUE(offset_to_area(even, area_of(d, nullptr)));
-    EXPECT_LE(asymmetry(shape_of(even), t.mirror).distance, 1e-13);
+    EXPECT_LE(asymmetry(shape_of(even), t.mirror).distance, rounding(shape_of(even)));
   }
 }
 
