@@ -68,8 +68,12 @@ class Case:
         on_phase: Callable[[str], object] | None = ...,
     ) -> Result: ...
     def grow(
-        self, folder: str | os.PathLike[str] | None = None, *, threads: int | None = None, force: bool = False,
-        on_phase: Callable[[str], object] | None = None,
+        self,
+        folder: str | PathLike[str] | None = ...,
+        *,
+        threads: int | None = ...,
+        force: bool = ...,
+        on_phase: Callable[[str], object] | None = ...,
     ) -> Result: ...
     def optimize(
         self,
