@@ -7,25 +7,16 @@
 #include "optimize/constraints/sides.hpp"
 #include "optimize/constraints/thickness.hpp"
 #include "optimize/loop/finish.hpp"
+#include "tests/support/dice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 namespace kerf::constraints_test {
 namespace {
 
-class Dice {
- public:
-  explicit Dice(unsigned seed) : bits_(seed) {}
-  double between(double a, double b) {
-    return a + (b - a) * (double(bits_()) / double(std::mt19937::max()));
-  }
-
- private:
-  std::mt19937 bits_;
-};
+using test::Dice;
 
 /// [-2, 2]^2; its label is 0, that of designs 1.
 Shape square() {

@@ -2,11 +2,11 @@
 // bear nothing, random mirrors under loads on one side.
 
 #include "optimize/constraints.hpp"
+#include "tests/support/dice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 namespace kerf::kept_test {
 namespace {
@@ -31,16 +31,7 @@ OptimizeResult optimized(const Problem& p, const OptimizeRequest& r) {
   return optimize_level_set(p, r, {}, {});
 }
 
-class Dice {
- public:
-  explicit Dice(unsigned seed) : bits_(seed) {}
-  double between(double a, double b) {
-    return a + (b - a) * (double(bits_()) / double(std::mt19937::max()));
-  }
-
- private:
-  std::mt19937 bits_;
-};
+using test::Dice;
 
 TEST(LevelSetKeeps, FrozenDiscs) {
   Dice dice(1);

@@ -9,26 +9,17 @@
 #include "optimize/curves/boundary.hpp"
 #include "optimize/curves/design_curves.hpp"
 #include "tests/optimize/curves.hpp"
+#include "tests/support/dice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 namespace kerf::mirrored_test {
 namespace {
 
-class Dice {
- public:
-  explicit Dice(unsigned seed) : bits_(seed) {}
-  double between(double a, double b) {
-    return a + (b - a) * (double(bits_()) / double(std::mt19937::max()));
-  }
-
- private:
-  std::mt19937 bits_;
-};
+using test::Dice;
 
 /// A square of side 4 with four labels, turned and moved, and one of its four lines of symmetry.
 struct Turned {
