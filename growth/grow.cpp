@@ -211,6 +211,11 @@ class Growing {
     return proportional_ ? 1 : of_.max;
   }
 
+  /// The loads at which K of a tip is told, over those of the state.
+  double over_state() const {
+    return proportional_ && of_.law ? of_.max : 1;
+  }
+
   Solved solve(const Shape& shape, double load) {
     check_stop();
     ++grown_.solves;
@@ -274,7 +279,7 @@ class Growing {
 
   GrownTip measured(const CrackEnd& end, const Solved& top, const Solved* bottom) const {
     const TipIntensity& t = top.tips.at(end);
-    const double high = proportional_ && of_.law ? of_.max : 1;
+    const double high = over_state();
     GrownTip tip{.end = end,
                  .name = name_of(shape_, end),
                  .at = t.at,
@@ -295,11 +300,12 @@ class Growing {
     return std::nullopt;
   }
 
-  /// K below which a tip is as good as free of load: of the mean stress of the body, a millionth.
-  double nothing(const GrownTip& tip, const Solved& now) const {
+  /// K over the root of a crack's length, below which its tips are as good as free of load: of the mean stress of the
+  /// body, a millionth.
+  static double nothing(const Solved& now) {
     const Model& m = now.body.model;
     const double energy = std::abs(strain_energy(m, now.body.state));
-    return 1e-6 * std::sqrt(2 * m.scene.material.mu * energy / area(m) * pi * tip.a);
+    return 1e-6 * std::sqrt(2 * m.scene.material.mu * energy / area(m) * pi);
   }
 
   void load(GrownTip& tip, double nothing) const {
@@ -349,6 +355,7 @@ class Growing {
     GrowthStep s{.number = static_cast<int>(grown_.steps.size())};
     const int before = grown_.solves;
     const std::optional<Solved> bottom = least(shape_);
+    const double unloaded = nothing(now);
     for (const auto& [end, unused] : active_) {
       if (!now.tips.contains(end)) continue;  // it has met something
       if (!std::isfinite(now.tips.at(end).K_I)) {
@@ -357,7 +364,7 @@ class Growing {
         continue;
       }
       s.tips.push_back(measured(end, now, bottom ? &*bottom : nullptr));
-      load(s.tips.back(), nothing(s.tips.back(), now));
+      load(s.tips.back(), unloaded * std::sqrt(s.tips.back().a));
     }
     s.potential = potential_energy(now.body.model, now.body.state);
     count_cycles(s);
@@ -406,25 +413,30 @@ class Growing {
       else
         track.x.push_back(track.x.back() + track.grows);
       track.rates.push_back(tip.rate);
-      const double high = proportional_ ? of_.max : 1;
-      track.G.push_back(tip.G / (high * high));
+      track.G.push_back(tip.G / (over_state() * over_state()));
       track.first = std::min(track.first, s.number);
     }
     if (!of_.law) return;
+    std::map<CrackEnd, Life> lives;  // of tips that have always grown
+    for (const auto& [end, track] : tracks_) {
+      const bool whole = track.x.size() > 1 &&
+                         std::ranges::all_of(track.rates, [](double r) { return r > 0 && std::isfinite(r); }) &&
+                         std::ranges::adjacent_find(track.x, std::greater_equal<>()) == track.x.end();
+      if (whole) lives.emplace(end, Life::of_rates(track.x, track.rates));
+    }
     double sum = 0, error = 0;
     for (const GrowthStep& before : grown_.steps) {
       const GrownTip& fastest = *std::ranges::max_element(before.tips, {}, &GrownTip::da);
       const Track& track = tracks_.at(fastest.end);
       const auto at = static_cast<std::size_t>(before.number - track.first);
-      const bool whole = std::ranges::all_of(track.rates, [](double r) { return r > 0 && std::isfinite(r); }) &&
-                         std::ranges::adjacent_find(track.x, std::greater_equal<>()) == track.x.end();
-      if (at + 1 >= track.x.size() || !whole) {
+      const auto life = lives.find(fastest.end);
+      if (at + 1 >= track.x.size() || life == lives.end()) {
         sum += fastest.da / fastest.rate;
         continue;
       }
-      const Life life = Life::of_rates(track.x, track.rates);
-      sum += life.cycles_at_points()[at + 1] - life.cycles_at_points()[at];
-      error = std::max(error, life.error());  // of all of its steps
+      const std::vector<double>& cycles = life->second.cycles_at_points();
+      sum += cycles[at + 1] - cycles[at];
+      error = std::max(error, life->second.error());  // of all of its steps
     }
     s.cycles = sum;
     if (!grown_.steps.empty()) grown_.cycles_error = error;

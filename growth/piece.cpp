@@ -1,3 +1,5 @@
+// Pieces of a path as chords whose directions go from that of the begin to that of the tip [theory: G.19, G.20].
+
 #include "growth/piece.hpp"
 
 #include <fmt/format.h>

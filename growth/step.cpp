@@ -1,3 +1,7 @@
+// How far tips go that compete, which one moves first, and whether one step agrees with two halves: shares by rates
+// [theory: G.22], the least load factor [theory: G.23], differences of order 2^p - 1 [theory: G.24].
+// docs/theory/growth.md.
+
 #include "growth/step.hpp"
 
 #include "growth/numeric/cubic.hpp"

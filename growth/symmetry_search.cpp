@@ -1,3 +1,6 @@
+// The search of k_2 = 0: steps by the expected slope or the secant of the last two answers, kept between the nearest
+// answers of either sign once there are both [theory: G.21].
+
 #include "growth/symmetry_search.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Cubics through points, monotone where the points are.
+
 #include "growth/numeric/cubic.hpp"
 
 #include <algorithm>
