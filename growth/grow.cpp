@@ -12,6 +12,7 @@
 #include "geometry/plane.hpp"
 #include "growth/kink.hpp"
 #include "growth/life.hpp"
+#include "growth/path_bounds.hpp"
 #include "growth/piece.hpp"
 #include "growth/rates.hpp"
 #include "growth/spectrum.hpp"
@@ -28,6 +29,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 
 namespace kerf::growth {
 
@@ -162,15 +164,54 @@ bool is_proportional(const Scene& scene) {
   });
 }
 
+/// A state, with what it was solved on: its body is null where it is known from a record, and is solved again if asked.
 struct Solved {
-  Adapted body;
+  Shape shape;
+  Sizing sizing;
+  double load = 1;
+  std::shared_ptr<const Adapted> body;
+  std::size_t number = 0;  // in the record
+  double potential = 0, resting = 0;
   std::map<CrackEnd, TipIntensity> tips;
+};
+
+/// The states of growth in the order in which they are asked for: those of a run before first, then new ones.
+class Record {
+ public:
+  explicit Record(GrowthRecord before) : all_(std::move(before)), told_(all_.told) {
+    all_.told = 0;
+  }
+  const SolvedState& next(const std::function<SolvedState()>& solve) {
+    if (place_ == all_.states.size()) all_.states.push_back(solve());
+    return all_.states[place_++];
+  }
+  std::size_t place() const {
+    return place_;
+  }
+  const StateBounds& bounds(std::size_t state, const std::function<StateBounds()>& find) {
+    std::optional<StateBounds>& of = all_.states[state].bounds;
+    if (!of) of = find();
+    return *of;
+  }
+  /// Whether the next step was told by the run before; counts it.
+  bool told_before() {
+    return ++all_.told <= told_;
+  }
+  const GrowthRecord& all() const {
+    return all_;
+  }
+
+ private:
+  GrowthRecord all_;
+  std::size_t place_ = 0;
+  int told_ = 0;
 };
 
 class Growing {
  public:
+  /// `record` must outlive it.
   Growing(Shape shape, const Sizing& sizing, const Element& e, const Scene& scene, const GrowRequest& request,
-          const Adaptation& how, const WatchGrowth& watch)
+          const Adaptation& how, const WatchGrowth& watch, Record& record)
       : shape_(std::move(shape)),
         sizing_(sizing),
         element_(e),
@@ -178,6 +219,7 @@ class Growing {
         of_(request),
         how_(how),
         watch_(watch),
+        record_(record),
         proportional_(is_proportional(scene)) {
     how_.estimate = false;
     sizing_.size = target_size(sizing_, shape_);
@@ -202,6 +244,7 @@ class Growing {
     grown_.shape = shape_;
     grown_.step = step_;
     grown_.energy_balance = energy_balance();
+    grown_.bounds = path_bounds();
     return std::move(grown_);
   }
 
@@ -219,13 +262,31 @@ class Growing {
   Solved solve(const Shape& shape, double load) {
     check_stop();
     ++grown_.solves;
-    Solved s{.body = solve_graded(shape, sizing_, element_, with_loads(scene_, load), how_), .tips = {}};
-    if (!certified(s.body.state))
+    Solved s{.shape = shape, .sizing = sizing_, .load = load};
+    const SolvedState& told = record_.next([&] {
+      s.body = solved_body(s);
+      const Model& m = s.body->model;
+      return SolvedState{.potential = potential_energy(m, s.body->state),
+                         .resting = nothing(*s.body),
+                         .tips = crack_tips(m, s.body->state)};
+    });
+    s.number = record_.place() - 1;
+    s.potential = told.potential;
+    s.resting = told.resting;
+    for (const TipIntensity& t : told.tips) s.tips[{t.crack, t.at_start}] = t;
+    return s;
+  }
+  std::shared_ptr<const Adapted> solved_body(const Solved& s) const {
+    Adapted body = solve_graded(s.shape, s.sizing, element_, with_loads(scene_, s.load), how_);
+    if (!certified(body.state))
       throw Error(Fault::Numerics,
                   fmt::format("a state of growth could not be solved: the equations hold to {:.2g} only",
-                              s.body.state.certificate.kkt));
-    for (const TipIntensity& t : crack_tips(s.body.model, s.body.state)) s.tips[{t.crack, t.at_start}] = t;
-    return s;
+                              body.state.certificate.kkt));
+    return std::make_shared<const Adapted>(std::move(body));
+  }
+  const Adapted& body_of(Solved& s) const {
+    if (!s.body) s.body = solved_body(s);
+    return *s.body;
   }
 
   void choose_tips(const Solved& now) {
@@ -254,18 +315,18 @@ class Growing {
                   "[grow]: the body has no tip that can grow; a crack that is given by a path ends inside");
   }
 
+  /// Whether what growth releases is all that the body loses.
+  bool balance_known() const {
+    return grown_.notes.empty() && grown_.steps.size() > 2 &&
+           std::ranges::none_of(scene_.laws, [](const CrackLaw& law) { return has_friction(law); });
+  }
+
   double energy_balance() const {
-    const bool known = grown_.notes.empty() && grown_.steps.size() > 2 &&
-                       std::ranges::none_of(scene_.laws, [](const CrackLaw& law) { return has_friction(law); });
-    if (!known) return nan;
+    if (!balance_known()) return nan;
     double released = 0;
     for (const auto& [end, track] : tracks_) {
-      std::vector<double> x, G;  // where it has grown
-      for (std::size_t i = 0; i < track.x.size(); ++i) {
-        if (!x.empty() && track.x[i] == x.back()) {
-          G.back() = track.G[i];
-          continue;
-        }
+      std::vector<double> x, G;
+      for (const std::size_t i : advances_of(track)) {
         x.push_back(track.x[i]);
         G.push_back(track.G[i]);
       }
@@ -302,9 +363,9 @@ class Growing {
 
   /// K over the root of a crack's length, below which its tips are as good as free of load: of the mean stress of the
   /// body, a millionth.
-  static double nothing(const Solved& now) {
-    const Model& m = now.body.model;
-    const double energy = std::abs(strain_energy(m, now.body.state));
+  static double nothing(const Adapted& body) {
+    const Model& m = body.model;
+    const double energy = std::abs(strain_energy(m, body.state));
     return 1e-6 * std::sqrt(2 * m.scene.material.mu * energy / area(m) * pi);
   }
 
@@ -355,7 +416,6 @@ class Growing {
     GrowthStep s{.number = static_cast<int>(grown_.steps.size())};
     const int before = grown_.solves;
     const std::optional<Solved> bottom = least(shape_);
-    const double unloaded = nothing(now);
     for (const auto& [end, unused] : active_) {
       if (!now.tips.contains(end)) continue;  // it has met something
       if (!std::isfinite(now.tips.at(end).K_I)) {
@@ -364,9 +424,10 @@ class Growing {
         continue;
       }
       s.tips.push_back(measured(end, now, bottom ? &*bottom : nullptr));
-      load(s.tips.back(), unloaded * std::sqrt(s.tips.back().a));
+      load(s.tips.back(), now.resting * std::sqrt(s.tips.back().a));
     }
-    s.potential = potential_energy(now.body.model, now.body.state);
+    s.potential = now.potential;
+    if (of_.bounds) bound(s, now);
     count_cycles(s);
     if (step_ == 0) choose_step(s);
     scale_step(s);
@@ -376,8 +437,91 @@ class Growing {
     if (grown_.ended.empty()) next = advance(s, now);
     s.solves = grown_.solves - before;
     grown_.steps.push_back(s);
-    if (watch_ && !watch_(s, shape_, now.body) && grown_.ended.empty()) grown_.ended = "stopped as asked";
+    tell(s, now);
     return next ? std::move(*next) : std::move(now);
+  }
+
+  /// Intervals at this step, at the loads of the state; of the tips at the largest load.
+  void bound(GrowthStep& s, Solved& now) {
+    const StateBounds& found = record_.bounds(now.number, [&] {
+      std::vector<TipIntensity> tips;
+      for (const GrownTip& tip : s.tips) tips.push_back(now.tips.at(tip.end));
+      const Adapted& body = body_of(now);
+      return bound_state(body.model, body.state, tips);
+    });
+    bounds_.push_back(found);
+    const double high = over_state();
+    const auto times = [](double factor, const Interval& i) { return Interval{factor * i.low, factor * i.high}; };
+    for (std::size_t i = 0; i < s.tips.size(); ++i) {
+      const TipIntervals& in = found.tips[i];
+      s.tips[i].in = TipIntervals{.end = in.end,
+                                  .K_I = times(high, in.K_I),
+                                  .K_II = times(high, in.K_II),
+                                  .G = times(high * high, in.G),
+                                  .guaranteed = in.guaranteed,
+                                  .note = in.note};
+    }
+  }
+
+  /// Of the life: where one tip, whose K at both loads of a cycle are in proportion, is the fastest at every step.
+  void bound_life_of(PathBounds& out) const {
+    if (!of_.law || !proportional_ || !block_.empty() || grown_.steps.size() < 3) return;
+    const CrackEnd end = std::ranges::max_element(grown_.steps.front().tips, {}, &GrownTip::rate)->end;
+    const Track& track = tracks_.at(end);
+    std::vector<BoundedCycles> path;
+    for (const GrowthStep& s : grown_.steps) {
+      const auto tip = std::ranges::find(s.tips, end, &GrownTip::end);
+      if (tip == s.tips.end() || !tip->in || !std::isfinite(tip->in->K_I.low + tip->in->K_II.high)) return;
+      if (std::ranges::any_of(s.tips, [&](const GrownTip& t) { return t.da > tip->da; })) return;
+      path.push_back({.a = track.x[path.size()], .top = *tip->in, .least = of_.min / of_.max});
+    }
+    const auto interval = [](const LifeBounds& b) { return Interval{b.lower, b.upper}; };
+    out.cycles = interval(bound_cycles(*of_.law, path, BetweenPoints::Monotone));
+    out.cycles_smooth = interval(bound_cycles(*of_.law, path, BetweenPoints::Smooth));
+  }
+
+  std::optional<PathBounds> path_bounds() const {
+    if (!of_.bounds || bounds_.empty()) return std::nullopt;
+    PathBounds out{.guaranteed = true};
+    for (const StateBounds& b : bounds_) {
+      const auto bad = std::ranges::find_if(b.tips, [](const TipIntervals& t) { return !t.guaranteed; });
+      if (b.guaranteed && bad == b.tips.end()) continue;
+      out.guaranteed = false;
+      out.note = bad != b.tips.end() ? bad->note : b.note;
+      break;
+    }
+    bound_life_of(out);
+    if (grown_.steps.size() > 1 && balance_known()) {
+      out.lost = {bounds_.front().energy.low - bounds_.back().energy.high,
+                  bounds_.front().energy.high - bounds_.back().energy.low};
+      out.released = {0, 0};
+      for (const auto& [end, track] : tracks_) {
+        std::vector<double> x, low, high;
+        for (const std::size_t i : advances_of(track)) {
+          const StateBounds& there = bounds_[static_cast<std::size_t>(track.first) + i];
+          const Interval G = std::ranges::find(there.tips, end, &TipIntervals::end)->G;
+          x.push_back(track.x[i]);
+          low.push_back(G.low);
+          high.push_back(G.high);
+        }
+        if (x.size() < 2) continue;
+        if (!std::ranges::all_of(low, [](double G) { return std::isfinite(G); })) {
+          out.released = {nan, nan};
+          break;
+        }
+        const ReleasedBounds part = bound_released_energy(x, low, high);
+        out.released.low += part.lower;
+        out.released.high += part.upper;
+      }
+    }
+    return out;
+  }
+
+  void tell(const GrowthStep& s, Solved& now) {
+    if (!watch_) return;
+    const bool again = record_.told_before();
+    if (!watch_(s, now.shape, again ? nullptr : &body_of(now), record_.all()) && grown_.ended.empty())
+      grown_.ended = "stopped as asked";
   }
 
   /// Behind a kink the path bends like the root of its length: steps of 1/8, 1/8, 1/4 and 1/2 follow it. The pieces are
@@ -468,6 +612,8 @@ class Growing {
     bool is_arc = false;
     double turn = 0;                            // of the arc, or of the kink before a straight piece
     std::optional<SymmetrySearch> search = {};  // none: the turn is known
+    double slope = 0.5;                         // of k_2/k_1 per radian
+    double off = 0;                             // too much of the turn, by what is left of k_2
     std::optional<Hit> hit = {};
   };
 
@@ -483,12 +629,13 @@ class Growing {
     t.turn = direction(of_.criterion, {tip.K_I, tip.K_II, tip.T}).angle;
     if (of_.criterion != Criterion::LocalSymmetry) return t;
     t.is_arc = there.grown && std::abs(t.turn) < largest_turn / 2;
-    if (t.is_arc) t.turn = std::clamp(there.curvature * tip.da, -largest_turn, largest_turn);
+    if (t.is_arc) t.turn = std::clamp(there.turn_ahead(tip.da), -largest_turn, largest_turn);
     // d(k_2/k_1) per radian: what turns the tip, and T along the piece [theory: G.7].
     const double along = (t.is_arc ? 4.0 / 3 : 2) * std::sqrt(2 / pi * tip.da) * tip.T / std::max(tip.K_I, tip.dK);
+    t.slope = std::max(0.5 - along, 0.1);
     t.search.emplace(t.turn, SymmetryOptions{.tolerance = symmetric,
                                              .largest_turn = t.is_arc ? 2 * largest_turn : pi / 2,
-                                             .slope = std::max(0.5 - along, 0.1)});
+                                             .slope = t.slope});
     return t;
   }
 
@@ -562,6 +709,7 @@ class Growing {
       if (t.search->turn()) t.search->answer({found->second.K_I, found->second.K_II});
       const SymmetrySearch::Answer& best = t.search->best();
       t.tip->symmetry = best.k.k_1 > 0 ? std::abs(best.k.k_2) / best.k.k_1 : nan;
+      t.off = t.search->found() ? best.k.k_2 / (t.slope * best.k.k_1) : 0;
       any = any || t.search->turn() || best.turn != t.turn;
     }
     return any;
@@ -575,7 +723,7 @@ class Growing {
       there.direction = within_half_turn(there.direction + t.turn);
       there.grown = true;
       tracks_[t.tip->end].grows = t.tip->da;
-      there.curvature = t.is_arc ? t.turn / t.tip->da : 0;
+      there.follow(t.is_arc, t.turn, t.tip->da, t.off);
       const std::size_t points = path_of(t).size();
       coarsen(shape_.cracks[static_cast<std::size_t>(t.tip->end.crack)], t.tip->end.at_start, points, there.points);
       there.points = points;
@@ -588,9 +736,26 @@ class Growing {
 
   struct Active {
     double direction = 0;  // of the tip
-    double curvature = 0;
     bool grown = false;
     std::size_t points = 0;  // of its last piece
+    /// How far the last piece has turned too much, by what is left of k_2; the curvature of the path without that, of
+    /// the last two pieces, and how long these are. Not a number: a kink, or none.
+    double off = 0;
+    double curvature = nan, before = nan, length = 0, length_before = 0;
+
+    /// The turn at which k_2 = 0 is expected behind a further arc: its curvature goes on linearly.
+    double turn_ahead(double da) const {
+      double ahead = std::isfinite(curvature) ? curvature : 0;
+      if (std::isfinite(before)) ahead += (curvature - before) * (length + da) / (length + length_before);
+      return ahead * da - off;
+    }
+    void follow(bool is_arc, double turn, double da, double too_much) {
+      before = is_arc ? curvature : nan;
+      length_before = length;
+      curvature = is_arc ? (turn - too_much + off) / da : nan;
+      length = da;
+      off = too_much;
+    }
   };
 
   Shape shape_;
@@ -600,6 +765,7 @@ class Growing {
   const GrowRequest& of_;
   Adaptation how_;
   const WatchGrowth& watch_;
+  Record& record_;
   bool proportional_;
   std::vector<LoadCycle> block_;  // of the spectrum
   double step_ = 0, scale_ = 1;   // of this step: scale_ step_
@@ -611,7 +777,15 @@ class Growing {
     double grows = 0;                 // in the present step
     int first = std::numeric_limits<int>::max();
   };
+  /// The points of a track from each of which it has grown, and the last one.
+  static std::vector<std::size_t> advances_of(const Track& track) {
+    std::vector<std::size_t> points;
+    for (std::size_t i = 0; i < track.x.size(); ++i)
+      if (i + 1 == track.x.size() || track.x[i + 1] != track.x[i]) points.push_back(i);
+    return points;
+  }
   std::map<CrackEnd, Track> tracks_;
+  std::vector<StateBounds> bounds_;  // per step
   std::map<CrackEnd, Active> active_;
   Grown grown_;
 };
@@ -643,15 +817,16 @@ double grown_length(const Grown& g) {
 }  // namespace
 
 Grown grow(Shape shape, const Sizing& sizing, const Element& e, const Scene& scene, const GrowRequest& request,
-           const Adaptation& how, const WatchGrowth& watch) {
-  Grown run = Growing(shape, sizing, e, scene, request, how, watch).run();
+           const Adaptation& how, const WatchGrowth& watch, GrowthRecord before) {
+  Record record(std::move(before));
+  Grown run = Growing(shape, sizing, e, scene, request, how, watch, record).run();
   if (!(request.tolerance > 0)) return run;
   constexpr int most_runs = 3;
   GrowRequest finer = request;
   for (int k = 1; k < most_runs && run.step > 0 && run.steps.size() > 1; ++k) {
     finer.step = 0.5 * run.step;
     finer.steps = 2 * finer.steps;
-    Grown next = Growing(shape, sizing, e, scene, finer, how, watch).run();
+    Grown next = Growing(shape, sizing, e, scene, finer, how, watch, record).run();
     next.solves += run.solves;
     next.path_error = distance_of_paths(next, run);
     const double N = next.steps.back().cycles, off = std::abs(N - run.steps.back().cycles);

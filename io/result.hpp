@@ -248,6 +248,7 @@ struct GrowthResult {
   int solves = 0;
   double step = 0, path_error = nan, cycles_error = nan, energy_balance = nan;  // growth::Grown
   std::vector<growth::GrowthStep> steps = {};
+  std::optional<growth::PathBounds> bounds = {};
 };
 
 struct Result {

@@ -5,7 +5,7 @@
 
 #include "app/folder.hpp"
 
-#include "app/run/optimize.hpp"
+#include "app/run/checkpoints.hpp"
 #include "kerf/types.hpp"
 
 #include <fmt/core.h>
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Leaving { Everything, ForResume };  // ForResume: without what a resumed optimization goes on from
+enum class Leaving { Everything, ForResume };  // ForResume: without what a resumed run goes on from
 
 /// What a run would write or remove.
 std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
@@ -33,8 +33,8 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
     const bool numbered =
         (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
         (name.starts_with("probe_") && type == ".csv") ||
-        ((name.starts_with("state_") || name.starts_with("map_") || name.starts_with("growth_")) && type == ".vtu");
-    const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
+        ((name.starts_with("state_") || name.starts_with("map_")) && type == ".vtu");
+    const bool resumed = ((name.starts_with("design_") || name.starts_with("growth_")) && type == ".vtu") || name.starts_with("checkpoint.") ||
                          name == "optimize.pvd" || name == "history.csv";
     constexpr std::array known{"result.json",   "state.vtu",    "state.pvtu",     "map.vtu",      "map.pvtu",
                                "map.csv",       "validate.csv", "mesh.png",       "measured.csv", "von_mises.png",
@@ -100,7 +100,7 @@ void claim_folder(const fs::path& folder, bool force, bool resume, FolderLock& l
   const bool ended = fs::exists(folder / "result.json", none), going = has_checkpoint(folder);
   if (force || (resume && (going || !ended))) return;
   if (going && !ended)
-    throw Error(Fault::Files, fmt::format("{} holds an optimization that has not ended; --resume goes on with it, "
+    throw Error(Fault::Files, fmt::format("{} holds a run that has not ended; --resume goes on with it, "
                                           "--force begins anew",
                                           folder.string()));
   std::erase(found, folder / "case.toml");  // alone it is of a run that came to nothing

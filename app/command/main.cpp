@@ -18,6 +18,7 @@
 #include "app/program.hpp"
 #include "app/progress.hpp"
 #include "app/run.hpp"
+#include "app/run/checkpoints.hpp"
 #include "app/run/optimize.hpp"
 #include "app/sweep.hpp"
 #include "io/files.hpp"
@@ -152,7 +153,7 @@ void declare(CommandLine& line, Arguments& arguments) {
       continue;
     }
     if (command.name == "run" || command.name == "optimize")
-      sub.flag("--resume", arguments.resume, "Go on with the optimization whose checkpoint is in the folder");
+      sub.flag("--resume", arguments.resume, "Go on with the optimization or the growth whose checkpoint is in the folder");
     sub.number("--threads", arguments.threads, "Number of threads; default all cores", {1, 256});
     if (command.name == "run" || command.name == "solve" || command.name == "map" || command.name == "optimize")
       sub.number("--processes", arguments.processes,
@@ -388,8 +389,8 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
   options.command = arguments.line;
   options.processes = &processes;
   options.resume = arguments.resume;
-  if (options.resume && !c.optimize)
-    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  if (options.resume && !c.optimize && !c.grow)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize] and no table [grow]");
   const Job job = arguments.command == "solve"      ? Job::Solve
                   : arguments.command == "map"      ? Job::Map
                   : arguments.command == "validate" ? Job::Validate

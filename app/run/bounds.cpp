@@ -15,6 +15,7 @@
 #include "solver/recovery.hpp"
 #include "solver/resultants.hpp"
 #include "solver/system.hpp"
+#include "solver/witness.hpp"
 
 #include <fmt/core.h>
 
@@ -116,24 +117,6 @@ std::string polygon_note(const BoundsTask& task) {
 std::string estimate_note(const BoundsTask& task, const Model& m) {
   std::string polygon = polygon_note(task);
   return polygon.empty() ? sampled_note(m) : polygon;
-}
-
-/// A value found in another way is a witness: where it lies outside, by more than it is unsure of itself, one of the
-/// two is wrong. `by`: what it was found from.
-void confront(Bounded& b, double witness, double unsure, const char* by) {
-  const double outside = std::max(b.lower - witness, witness - b.upper);
-  if (outside > unsure)
-    qualify(b, fmt::format("the bounds are estimates: {} gives {:.6g}, which they do not hold", by, witness));
-}
-
-/// K by the rings about a tip is right to a hundredth or so on the meshes that are made for tips.
-void confront(TipBounds& b, const TipIntensity& tip) {
-  constexpr double unsure = 0.02;
-  const double size = std::hypot(tip.K_I, tip.K_II);
-  const char* rings = "the integral over rings about the tip";
-  confront(b.K_I, tip.K_I, (unsure + tip.spread_K_I) * size, rings);
-  confront(b.K_II, tip.K_II, (unsure + tip.spread_K_II) * size, rings);
-  if (!b.K_I.guaranteed || !b.K_II.guaranteed) qualify(b.G, b.K_I.guaranteed ? b.K_II.note : b.K_I.note);
 }
 
 /// The reactions of the stress itself are better than it is: their error is a product of two.

@@ -3,6 +3,7 @@
 
 #include "app/run/grow.hpp"
 
+#include "app/run/checkpoints.hpp"
 #include "app/write/draw.hpp"
 #include "app/write/files.hpp"
 #include "base/stopwatch.hpp"
@@ -45,20 +46,32 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   Adaptation each = how;
   each.meshed = {};
   each.given.reset();
-  const auto watch = [&](const growth::GrowthStep& step, const Shape&, const Adapted& body) {
+  const std::filesystem::path checkpoint = growth_checkpoint_file(journal.options.folder);
+  const auto watch = [&](const growth::GrowthStep& step, const Shape&, const Adapted* body,
+                         const growth::GrowthRecord& record) {
     if (step.number == 0) result.steps.clear();  // again, with half the step
     result.steps.push_back(step);
     journal.later([path = journal.file("growth.csv"), result] { write_growth_csv(path, result); });
-    if (journal.vtk) {
-      const PlotData data = plot_data(body.model, body.state, c.plane_strain);
-      write_fields(journal, file_of(step.number), body.model.mesh, data,
-                   state_fields(body.model, body.state, data, {}));
+    if (body && journal.vtk) {
+      const PlotData data = plot_data(body->model, body->state, c.plane_strain);
+      write_fields(journal, file_of(step.number), body->model.mesh, data,
+                   state_fields(body->model, body->state, data, {}));
     }
+    if (body)
+      keep({checkpoint, c.fingerprint, true,
+            [&](std::function<void()> write) {
+              journal.writer->put_last({std::move(write), 0, checkpoint.filename().string()});
+            }},
+           as_checkpoint(record));
     if (stop_requested()) return false;
     journal.begin(in_words(step, request.law.has_value()));
     return true;
   };
-  growth::Grown grown = growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch);
+  growth::GrowthRecord before;
+  if (journal.options.resume)
+    if (const auto found = read_checkpoint(checkpoint)) before = growth_record(*found);
+  growth::Grown grown =
+      growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch, std::move(before));
   result.ended = std::move(grown.ended);
   result.notes = std::move(grown.notes);
   result.solves = grown.solves;
@@ -66,6 +79,7 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   result.path_error = grown.path_error;
   result.cycles_error = grown.cycles_error;
   result.energy_balance = grown.energy_balance;
+  result.bounds = std::move(grown.bounds);
   result.steps = std::move(grown.steps);
   journal.lap();
   journal.seconds.grow = clock.lap();
@@ -85,7 +99,9 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
     return design_picture(c.title, triangulate(grown.shape, c.sizing), c.scene, {}, extent(grown.shape));
   });
   journal.seconds.output += journal.lap();
-  check_stop();
+  if (stop_requested())
+    throw Error(Fault::Numerics, fmt::format("stopped after step {}; --resume goes on from there",
+                                             result.steps.empty() ? 0 : result.steps.back().number));
   return result;
 }
 

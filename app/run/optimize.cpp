@@ -135,19 +135,6 @@ void draw_optimization(const OptimizeSection& section, const Recorder& recorder,
 
 }  // namespace
 
-bool has_checkpoint(const fs::path& folder) {
-  return fs::exists(checkpoint_file(folder));
-}
-
-void check_checkpoint(const fs::path& folder, const std::string& fingerprint) {
-  const fs::path path = checkpoint_file(folder);
-  const auto found = read_checkpoint(path);
-  if (found && found->fingerprint != fingerprint)
-    throw Error(Fault::Usage, fmt::format("the checkpoint {} belongs to another case: the case file or an override has "
-                                          "changed; restore it, or start without --resume",
-                                          path.string()));
-}
-
 Case with_data(Case c, const RunOptions& options) {
   const Measurement m = measure(*c.synthetic, options.threads);
   std::vector<std::vector<double>> rows;
@@ -192,7 +179,7 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   out.names = optimize_names(request);
   Recorder recorder(task, out.names, journal);
   const RunOptions& options = journal.options;
-  if (options.resume && has_checkpoint(options.folder)) recorder.restore();
+  if (options.resume && fs::exists(checkpoint_file(options.folder))) recorder.restore();
   const CheckpointPlace place{checkpoint_file(options.folder), task.fingerprint, options.resume,
                               [&journal](std::function<void()> write) {
                                 journal.writer->put_last({std::move(write), 0, "checkpoint.bin"});

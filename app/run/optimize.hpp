@@ -7,11 +7,6 @@
 
 namespace kerf {
 
-/// Whether there is something to resume.
-bool has_checkpoint(const std::filesystem::path& folder);
-/// Throws Error(Usage) when the folder holds a checkpoint of another case, Error(Files) when it cannot be read.
-void check_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint);
-
 struct OptimizeTask {
   Problem problem;
   OptimizeRequest request;

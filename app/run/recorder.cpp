@@ -58,10 +58,6 @@ Mesh strong_part(const Mesh& mesh, bool phases) {
 
 }  // namespace
 
-fs::path checkpoint_file(const fs::path& folder) {
-  return folder / "checkpoint.bin";
-}
-
 Recorder::Recorder(const OptimizeTask& task, const OptimizeNames& names, const Journal& journal)
     : task_(task), names_(names), journal_(journal) {}
 

@@ -1,14 +1,13 @@
 #pragma once
 // The files that an optimization leaves while it runs.
 
+#include "app/run/checkpoints.hpp"
 #include "app/run/optimize.hpp"
 #include "plot/evolution.hpp"
 
 #include <map>
 
 namespace kerf {
-
-std::filesystem::path checkpoint_file(const std::filesystem::path& folder);
 
 class Recorder {
  public:

@@ -19,6 +19,7 @@
 #include "app/parts/parts.hpp"
 #include "app/parts/task_pool.hpp"
 #include "app/run/bounds.hpp"
+#include "app/run/checkpoints.hpp"
 #include "app/run/grow.hpp"
 #include "app/run/history.hpp"
 #include "app/run/load_cases.hpp"
@@ -615,8 +616,8 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
 
 Result run(const Case& read, Job job, const RunOptions& options) {
   const Jobs jobs = jobs_of(read, job);
-  if (options.resume && !jobs.optimize)
-    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize]");
+  if (options.resume && !jobs.optimize && !jobs.grow)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize] and no table [grow]");
   refuse_jobs(read, jobs);
   refuse_processes(read, jobs, options.processes);
   const KeptCase kept = kept_case(read, options.command);  // of files that may be results of the run before

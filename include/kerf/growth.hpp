@@ -3,6 +3,7 @@
 // cracks have grown by. docs/theory/growth.md.
 
 #include "kerf/adaptive.hpp"
+#include "kerf/fracture.hpp"
 
 #include <array>
 #include <compare>
@@ -71,6 +72,22 @@ struct GrowRequest {
   // Growth ends at the first of these; lengths are those of a crack's path.
   double length = infinity, cycles = infinity, K = infinity;
   int steps = 100;
+  bool bounds = false;  // intervals of K, G and the energy at each step, of the life and of the energy released
+};
+
+/// Intervals of K and G at an end of a crack, and whether they are guaranteed; the note says why not.
+struct TipIntervals {
+  CrackEnd end;
+  Interval K_I{nan, nan}, K_II{nan, nan}, G{nan, nan};
+  bool guaranteed = false;
+  std::string note;
+};
+/// Of a state: the potential energy, and its tips that grow.
+struct StateBounds {
+  Interval energy{nan, nan};
+  bool guaranteed = false;
+  std::string note;
+  std::vector<TipIntervals> tips;
 };
 
 /// A tip of one step, before it grows on.
@@ -85,6 +102,7 @@ struct GrownTip {
   double rate = 0;                                 // per cycle
   double da = 0, angle = 0;                        // it grows by; radians, against the direction of the tip
   double symmetry = nan;                           // |K_II|/K_I where it has grown to
+  std::optional<TipIntervals> in = {};             // at the largest load
 };
 
 struct GrowthStep {
@@ -97,6 +115,17 @@ struct GrowthStep {
   std::vector<GrownTip> tips;
 };
 
+/// Along the path that has been computed, from intervals at the steps; not a number where there are none.
+struct PathBounds {
+  /// Cycles, if K changes one way from each step to the next; and, narrower, if it is smooth between them.
+  Interval cycles{nan, nan}, cycles_smooth{nan, nan};
+  /// int G da over all tips, if G changes one way from each step to the next, and the loss of potential energy: two
+  /// intervals of one number.
+  Interval released{nan, nan}, lost{nan, nan};
+  bool guaranteed = false;  // at every step
+  std::string note;         // why not
+};
+
 struct Grown {
   Shape shape;
   std::vector<GrowthStep> steps;
@@ -107,17 +136,33 @@ struct Grown {
   // What the interaction integrals say that growth has released, int G da over all tips, less the loss of potential
   // energy, relative to that: two ways to the same number. Not known with friction, or where a tip has ended.
   double energy_balance = nan;
+  std::optional<PathBounds> bounds = {};
   std::string ended;  // why, in words
   std::vector<std::string> notes;
   int solves = 0;
 };
 
-/// What is told after each step, with the body of the step; false ends the growth. Step 0 again: with half the step.
-using WatchGrowth = std::function<bool(const GrowthStep&, const Shape&, const Adapted&)>;
+/// What growth takes from a state.
+struct SolvedState {
+  double potential = 0;
+  double resting = 0;  // K over the root of a crack's length below which its tips count as free of load
+  std::vector<TipIntensity> tips;
+  std::optional<StateBounds> bounds = {};
+};
+/// All that growth needs to go on as if it had never stopped: the states in the order in which they were solved, and how
+/// many steps have been told.
+struct GrowthRecord {
+  std::vector<SolvedState> states;
+  int told = 0;
+};
 
-/// Throws Error(Usage) for what cannot grow (no tip, a crack that follows an arc or a border), else as solve_graded.
+/// What is told after each step: the body that grew in it, solved, and the record up to there; false ends the growth.
+/// Steps that the record before has told are told again, without the solution (null). Step 0 again: with half the step.
+using WatchGrowth = std::function<bool(const GrowthStep&, const Shape&, const Adapted*, const GrowthRecord&)>;
+
+/// `before`: the record of the same growth, whose states are not solved again; the result has the same bits. Throws Error(Usage) for what cannot grow (no tip, a crack that follows an arc or a border), else as solve_graded.
 /// `how`: as for each of the states.
 Grown grow(Shape shape, const Sizing& sizing, const Element& e, const Scene& scene, const GrowRequest& request,
-           const Adaptation& how, const WatchGrowth& watch = {});
+           const Adaptation& how, const WatchGrowth& watch = {}, GrowthRecord before = {});
 
 }  // namespace kerf::growth

@@ -105,6 +105,7 @@ void read_grow(const Value& document, const std::filesystem::path& folder, Case&
   }
   take(*table, "step", to.step);
   take(*table, "tolerance", to.tolerance);
+  take(*table, "bounds", to.bounds);
   if (const auto until = find(*table, "until")) {
     allow_only(*until);
     take(*until, "length", to.length);

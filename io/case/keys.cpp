@@ -682,6 +682,14 @@ constexpr Key rows[] = {
      "differ by no more than this from those before: then both have error bars.",
      "0.01",
      "one run, no error bars"},
+    {"grow.bounds",
+     Boolean,
+     {},
+     "Intervals of K, G and the energy at every step, of the cycles and of the energy that growth releases, as [bounds] "
+     "gives them: guaranteed for elements bdms and afw without friction where faces are open. Each step costs one or two "
+     "solves more.",
+     "true",
+     "false"},
     {"grow.until", Table, {}, "Where growth ends, whatever comes first."},
     {"grow.until.length", Number, {.range = above_zero}, "A crack is so long, along its path.", "20"},
     {"grow.until.cycles", Number, {.range = above_zero}, "So many cycles.", "1e6"},

@@ -117,6 +117,14 @@ void write_growth_csv(const std::filesystem::path& path, const GrowthResult& gro
   fmt::memory_buffer out;
   fmt::format_to(std::back_inserter(out), "step,cycles,load,tip,x,y");
   for (const auto& [name, member] : columns_of_tip) fmt::format_to(std::back_inserter(out), ",{}", name);
+  const bool bounds = std::ranges::any_of(growth.steps, [](const growth::GrowthStep& s) {
+    return std::ranges::any_of(s.tips, [](const growth::GrownTip& t) { return t.in.has_value(); });
+  });
+  if (bounds) {
+    for (const auto& [name, member] : intervals_of_tip)
+      fmt::format_to(std::back_inserter(out), ",{0}_lower,{0}_upper", name);
+    fmt::format_to(std::back_inserter(out), ",guaranteed");
+  }
   out.push_back('\n');
   for (const growth::GrowthStep& s : growth.steps)
     for (const growth::GrownTip& t : s.tips) {
@@ -133,6 +141,14 @@ void write_growth_csv(const std::filesystem::path& path, const GrowthResult& gro
         out.push_back(',');
         append_cell(out, t.*member);
       }
+      const growth::TipIntervals in = t.in.value_or(growth::TipIntervals{});
+      for (const auto& [name, member] : intervals_of_tip)
+        for (const double value : {(in.*member).low, (in.*member).high}) {
+          if (!bounds) continue;
+          out.push_back(',');
+          append_cell(out, value);
+        }
+      if (bounds) fmt::format_to(std::back_inserter(out), ",{}", in.guaranteed ? 1 : 0);
       out.push_back('\n');
     }
   write_file(path, {out.data(), out.size()});

@@ -22,4 +22,13 @@ inline constexpr std::pair<const char*, double growth::GrownTip::*> columns_of_t
     {"angle", &growth::GrownTip::angle},
     {"symmetry", &growth::GrownTip::symmetry}};
 
+/// Of intervals, with _lower and _upper.
+inline constexpr std::pair<const char*, Interval growth::TipIntervals::*> intervals_of_tip[] = {
+    {"K_I", &growth::TipIntervals::K_I}, {"K_II", &growth::TipIntervals::K_II}, {"G", &growth::TipIntervals::G}};
+inline constexpr std::pair<const char*, Interval growth::PathBounds::*> intervals_of_path[] = {
+    {"cycles", &growth::PathBounds::cycles},
+    {"cycles_smooth", &growth::PathBounds::cycles_smooth},
+    {"released", &growth::PathBounds::released},
+    {"lost", &growth::PathBounds::lost}};
+
 }  // namespace kerf

@@ -476,6 +476,20 @@ StepResult step(const Json& from) {
   return s;
 }
 
+template <typename Of>
+std::optional<Of> maybe_intervals(const Json& from, const auto& columns) {
+  if (!from.contains("bounds")) return std::nullopt;
+  const Json& in = from["bounds"];
+  Of out;
+  out.guaranteed = in.value("guaranteed", false);
+  for (const auto& [name, member] : columns) {
+    const Vec2 ends = read_place(in.at(name));
+    out.*member = {ends.x(), ends.y()};
+  }
+  out.note = text(in, "note");
+  return out;
+}
+
 GrowthResult read_growth(const Json& from) {
   GrowthResult out{.law = text(from, "law"), .criterion = text(from, "criterion"), .ended = text(from, "ended")};
   out.notes = texts(from, "notes");
@@ -484,6 +498,7 @@ GrowthResult read_growth(const Json& from) {
   out.path_error = read_number(from, "path_error");
   out.cycles_error = read_number(from, "cycles_error");
   out.energy_balance = read_number(from, "energy_balance");
+  out.bounds = maybe_intervals<growth::PathBounds>(from, intervals_of_path);
   for (const Json& s : list(from, "steps")) {
     growth::GrowthStep& step = out.steps.emplace_back();
     step.number = whole(s, "step");
@@ -496,6 +511,7 @@ GrowthResult read_growth(const Json& from) {
       tip.name = text(t, "tip");
       tip.at = read_place(t.at("at"));
       for (const auto& [name, member] : columns_of_tip) tip.*member = read_number(t, name);
+      tip.in = maybe_intervals<growth::TipIntervals>(t, intervals_of_tip);
     }
   }
   return out;

@@ -219,6 +219,15 @@ Json step_section(const StepResult& step) {
           {"tips", std::move(tips)}};
 }
 
+/// name: [lower, upper] of each, whether they are guaranteed, and why not.
+template <typename Of>
+Json intervals(const Of& of, const auto& columns) {
+  Json out = {{"guaranteed", of.guaranteed}};
+  for (const auto& [name, member] : columns) out[name] = {number((of.*member).low), number((of.*member).high)};
+  if (!of.note.empty()) out["note"] = of.note;
+  return out;
+}
+
 Json growth_section(const GrowthResult& growth) {
   Json steps = Json::array();
   for (const growth::GrowthStep& s : growth.steps) {
@@ -226,6 +235,7 @@ Json growth_section(const GrowthResult& growth) {
     for (const growth::GrownTip& t : s.tips) {
       Json tip = {{"tip", t.name}, {"at", place_of(t.at)}};
       for (const auto& [name, member] : columns_of_tip) tip[name] = number(t.*member);
+      if (t.in) tip["bounds"] = intervals(*t.in, intervals_of_tip);
       tips.push_back(std::move(tip));
     }
     steps.push_back({{"step", s.number},
@@ -235,16 +245,18 @@ Json growth_section(const GrowthResult& growth) {
                      {"solves", s.solves},
                      {"tips", std::move(tips)}});
   }
-  return {{"law", growth.law},
-          {"criterion", growth.criterion},
-          {"ended", growth.ended},
-          {"notes", growth.notes},
-          {"solves", growth.solves},
-          {"step", number(growth.step)},
-          {"path_error", number(growth.path_error)},
-          {"cycles_error", number(growth.cycles_error)},
-          {"energy_balance", number(growth.energy_balance)},
-          {"steps", std::move(steps)}};
+  Json out = {{"law", growth.law},
+              {"criterion", growth.criterion},
+              {"ended", growth.ended},
+              {"notes", growth.notes},
+              {"solves", growth.solves},
+              {"step", number(growth.step)},
+              {"path_error", number(growth.path_error)},
+              {"cycles_error", number(growth.cycles_error)},
+              {"energy_balance", number(growth.energy_balance)},
+              {"steps", std::move(steps)}};
+  if (growth.bounds) out["bounds"] = intervals(*growth.bounds, intervals_of_path);
+  return out;
 }
 
 Json bounded(const Bounded& b) {

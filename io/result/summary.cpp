@@ -322,6 +322,24 @@ void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeN
   for (const std::string& note : o.notes) add_sentence(out, "", "note: " + note);
 }
 
+void add_path_bounds(std::string& out, const growth::PathBounds& b, bool fatigue) {
+  const auto in = [](const Interval& i) { return fmt::format("[{}, {}]", six(i.low), six(i.high)); };
+  const auto known = [](const Interval& i) { return !std::isnan(i.low) && !std::isnan(i.high); };
+  if (fatigue && known(b.cycles))
+    add_sentence(out, "",
+                 fmt::format("cycles in {} if K changes one way from step to step, in {} if it is smooth", in(b.cycles),
+                             in(b.cycles_smooth)));
+  if (known(b.released) && known(b.lost))
+    add_sentence(out, "",
+                 fmt::format("growth releases an energy in {}, the body loses one in {}: {}", in(b.released), in(b.lost),
+                             b.released.low <= b.lost.high && b.lost.low <= b.released.high
+                                 ? "both can be the same number"
+                                 : "they contradict each other"));
+  add_sentence(out, "",
+               b.guaranteed ? "the intervals of K, G and energy are guaranteed at every step"
+                            : fmt::format("the intervals are not guaranteed: {}", clean_text(b.note)));
+}
+
 void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
   const std::string length = unit(u, dimension::length), K = unit(u, dimension::stress_intensity);
   const bool fatigue = g.law != "quasi-static";
@@ -345,6 +363,7 @@ void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
     add_sentence(
         out, "",
         fmt::format("G along the paths is the loss of potential energy to {:.2g} %", 100 * std::abs(g.energy_balance)));
+  if (g.bounds) add_path_bounds(out, *g.bounds, fatigue);
   for (const std::string& note : g.notes) add_sentence(out, "", clean_text(note));
 }
 
