@@ -243,6 +243,7 @@ class Growing {
     while (grown_.ended.empty()) now = step(std::move(now));
     grown_.shape = shape_;
     grown_.step = step_;
+    find_instability();
     grown_.energy_balance = energy_balance();
     grown_.bounds = path_bounds();
     return std::move(grown_);
@@ -315,6 +316,25 @@ class Growing {
                   "[grow]: the body has no tip that can grow; a crack that is given by a path ends inside");
   }
 
+  /// The load factor along the growth, and the displacement at which the loads do their work: 2 abs(energy) of the state
+  /// times the factor where loads alone act. Where displacements alone are prescribed the two change their parts.
+  void find_instability() {
+    const bool pushed =
+                   !scene_.tractions.empty() || scene_.body ||
+                   std::ranges::any_of(scene_.laws, [](const CrackLaw& law) { return bool(law.pressure); }),
+               moved = std::ranges::any_of(scene_.supports, [](const Support& s) { return bool(s.value); });
+    if (of_.law || pushed == moved) return;
+    for (std::size_t i = 0; i + 2 < grown_.steps.size(); ++i) {
+      const auto point = [&](const GrowthStep& s) {
+        const double other = 2 * std::abs(s.potential) * s.load;
+        return pushed ? LoadPoint{s.load, other} : LoadPoint{other, s.load};
+      };
+      const Course c = course(point(grown_.steps[i]), point(grown_.steps[i + 1]));
+      if (c != Course::Stable && !grown_.unstable_from) grown_.unstable_from = grown_.steps[i].number;
+      if (c == Course::SnapBack && !grown_.snaps_back_from) grown_.snaps_back_from = grown_.steps[i].number;
+    }
+  }
+
   /// Whether what growth releases is all that the body loses.
   bool balance_known() const {
     return grown_.notes.empty() && grown_.steps.size() > 2 &&
@@ -369,10 +389,34 @@ class Growing {
     return 1e-6 * std::sqrt(2 * m.scene.material.mu * energy / area(m) * pi);
   }
 
+  double tough_towards(const GrownTip& tip, double angle) const {
+    const double phi = within_half_turn(active_.at(tip.end).direction + angle), tough = of_.anisotropy(phi);
+    if (!(tough > 0) || !std::isfinite(tough))
+      throw Error(Fault::Usage,
+                  fmt::format("grow.law.anisotropy is {} at phi = {:.6g}; a positive number is wanted", tough, phi));
+    return tough;
+  }
+  /// As the tip before says it, by the series.
+  Direction direction_of_growth(const GrownTip& tip) const {
+    const TipLoad load{tip.K_I, tip.K_II, tip.T};
+    if (of_.criterion != Criterion::Energy || !of_.anisotropy) return direction(of_.criterion, load);
+    return energetic_direction(load, 0, [&](double angle) { return tough_towards(tip, angle); });
+  }
+  /// In its own plane: the shear reaches K_IIc at a load at which no kink opens.
+  bool shears(const GrownTip& tip) const {
+    return !of_.law && std::isfinite(of_.toughness_shear) &&
+           grows_by_shear({tip.K_I, tip.K_II, tip.T}, tip.dK,
+                          std::nextafter(tip.dK * of_.toughness_shear / *of_.toughness, 0.));
+  }
+
   void load(GrownTip& tip, double nothing) const {
     const TipLoad top{tip.K_I, tip.K_II, tip.T};
+    tip.K_max = opening_direction(top).k.k_1;
     if (!of_.law) {
-      tip.dK = opening_direction(top).k.k_1;
+      const Direction towards = direction_of_growth(tip);
+      const double opens = of_.anisotropy ? std::sqrt(release_rate(towards.k, 1) / tough_towards(tip, towards.angle))
+                                          : tip.K_max;
+      tip.dK = std::max(opens, std::abs(tip.K_II) * *of_.toughness / of_.toughness_shear);
       if (tip.dK <= nothing) tip.dK = 0;
       return;
     }
@@ -626,7 +670,8 @@ class Growing {
   Trial begin(GrownTip& tip) const {
     const Active& there = active_.at(tip.end);
     Trial t{.tip = &tip};
-    t.turn = direction(of_.criterion, {tip.K_I, tip.K_II, tip.T}).angle;
+    if (shears(tip)) return t;
+    t.turn = direction_of_growth(tip).angle;
     if (of_.criterion != Criterion::LocalSymmetry) return t;
     t.is_arc = there.grown && std::abs(t.turn) < largest_turn / 2;
     if (t.is_arc) t.turn = std::clamp(there.turn_ahead(tip.da), -largest_turn, largest_turn);

@@ -249,6 +249,7 @@ struct GrowthResult {
   double step = 0, path_error = nan, cycles_error = nan, energy_balance = nan;  // growth::Grown
   std::vector<growth::GrowthStep> steps = {};
   std::optional<growth::PathBounds> bounds = {};
+  std::optional<int> unstable_from = {}, snaps_back_from = {};  // growth::Grown
 };
 
 struct Result {
@@ -303,6 +304,10 @@ void write_steps_csv(const std::filesystem::path& path, const std::vector<StepRe
 /// growth.csv: a row per tip and step: step, cycles or load, the tip (crack:end), its place, K of both loads, dK, rate,
 /// and by how much and which way it grows.
 void write_growth_csv(const std::filesystem::path& path, const GrowthResult& growth);
+
+/// beta.csv, what programs of lives read: per tip and step its length a (half of the crack where both ends grow), beta =
+/// K_max/(stress sqrt(pi a)), and K_max.
+void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, double stress);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100
 /// columns.

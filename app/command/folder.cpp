@@ -42,7 +42,7 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
                                "evolution.png", "history.png",  "optimality.png", "design.toml",  "design.svg",
                                "design.dxf",    "design.msh",   "design.step",    "case.toml",    "bounds.csv",
                                "bounds.vtp",    "steps.csv",    "growth.csv",     "growth.png",   "grown.toml",
-                               "growth.pvd"};
+                               "growth.pvd",   "beta.csv"};
     if ((resumed && which == Leaving::Everything) || numbered || std::ranges::find(known, name) != known.end())
       found.push_back(entry.path());
   }

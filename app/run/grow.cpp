@@ -6,7 +6,9 @@
 #include "app/run/checkpoints.hpp"
 #include "app/write/draw.hpp"
 #include "app/write/files.hpp"
+#include "app/write/page_data.hpp"
 #include "base/stopwatch.hpp"
+#include "geometry/plane.hpp"
 #include "growth/rates.hpp"
 #include "io/design.hpp"
 #include "io/files.hpp"
@@ -30,6 +32,27 @@ std::string in_words(const growth::GrowthStep& s, bool fatigue) {
                      fatigue ? "dK" : "K", most);
 }
 
+/// Lines of what is drawn: arcs by chords.
+Contours contours(const Shape& shape) {
+  constexpr int pieces = 48;
+  Contours out;
+  const auto add = [&](const Loop& loop) {
+    std::vector<Vec2>& line = out.boundary.emplace_back();
+    for (const Side& side : loop.sides) {
+      if (!side.arc) {
+        line.push_back(side.start);
+        continue;
+      }
+      const std::vector<Vec2> points = points_on(*side.arc, pieces);
+      line.insert(line.end(), points.begin(), points.end() - 1);
+    }
+  };
+  add(shape.outline);
+  for (const Loop& hole : shape.holes) add(hole);
+  for (const Crack& crack : shape.cracks) out.cracks.push_back(crack.arc ? points_on(*crack.arc, pieces) : crack.points);
+  return out;
+}
+
 std::string file_of(int step) {
   return fmt::format("growth_{:04}.vtu", step);
 }
@@ -47,10 +70,15 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   each.meshed = {};
   each.given.reset();
   const std::filesystem::path checkpoint = growth_checkpoint_file(journal.options.folder);
-  const auto watch = [&](const growth::GrowthStep& step, const Shape&, const Adapted* body,
+  Snapshots bodies;
+  const auto watch = [&](const growth::GrowthStep& step, const Shape& shape, const Adapted* body,
                          const growth::GrowthRecord& record) {
-    if (step.number == 0) result.steps.clear();  // again, with half the step
+    if (step.number == 0) {  // again, with half the step
+      result.steps.clear();
+      bodies = {};
+    }
     result.steps.push_back(step);
+    add(bodies, {step.number, request.law ? step.cycles : step.load, nan, contours(shape)});
     journal.later([path = journal.file("growth.csv"), result] { write_growth_csv(path, result); });
     if (body && journal.vtk) {
       const PlotData data = plot_data(body->model, body->state, c.plane_strain);
@@ -80,10 +108,15 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   result.cycles_error = grown.cycles_error;
   result.energy_balance = grown.energy_balance;
   result.bounds = std::move(grown.bounds);
+  result.unstable_from = grown.unstable_from;
+  result.snaps_back_from = grown.snaps_back_from;
   result.steps = std::move(grown.steps);
   journal.lap();
   journal.seconds.grow = clock.lap();
   journal.begin("write the grown body");
+  constexpr std::size_t most_shots = 64;
+  if (journal.html) add_shots(journal.arrays, "growth", pick(bodies, most_shots));
+  write_beta_csv(journal.file("beta.csv"), result, request.stress);
   if (journal.vtk) {
     std::vector<std::pair<int, std::string>> files;
     for (const growth::GrowthStep& s : result.steps) files.emplace_back(s.number, file_of(s.number));

@@ -204,7 +204,7 @@ OptimizeSection optimize_body(const OptimizeTask& task, Journal& journal) {
   recorder.finish(out.result.history);
   journal.seconds.optimize = journal.lap() - recorder.output();
   draw_optimization(out, recorder, journal);
-  if (journal.html) add_design(journal.arrays, recorder.snapshots(64));
+  if (journal.html) add_shots(journal.arrays, "design", recorder.snapshots(64));
   if (task.truth || out.fit) {
     journal.picture("found.png", [&] { return found_picture(task, request, out, journal.title); });
     if (journal.html) add_found(journal.arrays, found_picture(task, request, out, journal.title));

@@ -109,9 +109,9 @@ void add_map(std::vector<NamedArray>& arrays, const MapTask& task, const Mapped&
   arrays.push_back(std::move(left_out));
 }
 
-void add_design(std::vector<NamedArray>& arrays, const std::vector<Snapshot>& snapshots) {
-  NamedArray shots{.name = "design.shots", .width = 3}, lines{.name = "design.lines", .width = 3},
-      points{.name = "design.points", .width = 2};
+void add_shots(std::vector<NamedArray>& arrays, const std::string& of, const std::vector<Snapshot>& snapshots) {
+  NamedArray shots{.name = of + ".shots", .width = 3}, lines{.name = of + ".lines", .width = 3},
+      points{.name = of + ".points", .width = 2};
   const auto add = [&](std::size_t shot, std::uint32_t kind, const std::vector<Vec2>& line) {
     lines.indices.insert(lines.indices.end(),
                          {static_cast<std::uint32_t>(shot), kind, static_cast<std::uint32_t>(line.size())});

@@ -18,7 +18,7 @@ void add_map(std::vector<NamedArray>& arrays, const MapTask& task, const Mapped&
 /// What an inverse problem found: the lines of its picture.
 void add_found(std::vector<NamedArray>& arrays, const Picture& found);
 
-/// Outlines of iterates of an optimization.
-void add_design(std::vector<NamedArray>& arrays, const std::vector<Snapshot>& snapshots);
+/// Outlines of a body that changes, "design" of an optimization or "growth" of cracks.
+void add_shots(std::vector<NamedArray>& arrays, const std::string& of, const std::vector<Snapshot>& snapshots);
 
 }  // namespace kerf

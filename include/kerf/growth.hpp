@@ -60,6 +60,9 @@ struct CrackEnd {
 
 struct GrowRequest {
   std::optional<double> toughness = {};  // K_Ic: quasi-static growth
+  /// G_c in the absolute direction phi [radians from x] over that of K_Ic, positive; none: 1.
+  std::function<double(double phi)> anisotropy = {};
+  double toughness_shear = infinity;     // K_IIc: of growth in the crack's own plane where no kink opens at K_Ic
   std::optional<GrowthLaw> law = {};     // else by fatigue
   Criterion criterion = Criterion::LocalSymmetry;
   std::vector<CrackEnd> tips = {};    // that may grow; none: all
@@ -72,6 +75,7 @@ struct GrowRequest {
   // Growth ends at the first of these; lengths are those of a crack's path.
   double length = infinity, cycles = infinity, K = infinity;
   int steps = 100;
+  double stress = 1;    // that beta refers to: beta = K_max/(stress sqrt(pi a))
   bool bounds = false;  // intervals of K, G and the energy at each step, of the life and of the energy released
 };
 
@@ -97,6 +101,7 @@ struct GrownTip {
   Vec2 at = Vec2::Zero();
   double a = 0;                                    // length of the crack
   double K_I = nan, K_II = nan, T = nan, G = nan;  // at the largest load
+  double K_max = nan;                              // k_1 of the kink that opens most, at the largest load
   double K_I_min = nan, K_II_min = nan;            // at the least one
   double dK = 0;                                   // equivalent range; quasi-static: equivalent K at the load
   double rate = 0;                                 // per cycle
@@ -137,6 +142,9 @@ struct Grown {
   // energy, relative to that: two ways to the same number. Not known with friction, or where a tip has ended.
   double energy_balance = nan;
   std::optional<PathBounds> bounds = {};
+  /// Quasi-static: the first step at which the crack grows on under a falling load, and that at which it does so though
+  /// the displacement of the loads is held, too; none: there is no such step.
+  std::optional<int> unstable_from = {}, snaps_back_from = {};
   std::string ended;  // why, in words
   std::vector<std::string> notes;
   int solves = 0;

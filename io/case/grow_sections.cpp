@@ -1,6 +1,7 @@
 // [grow]: the law of growth, the tips that grow, the loads of a cycle, and where growth ends.
 
 #include "growth/rates.hpp"
+#include "io/case/expression.hpp"
 #include "io/case/sections.hpp"
 #include "io/case/table.hpp"
 #include "io/words.hpp"
@@ -8,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
@@ -45,13 +47,29 @@ growth::GrowthLaw fatigue_law(const Value& law, const std::string& kind) {
   return of;
 }
 
+/// phi is the angle of the point at which the formula is evaluated.
+std::function<double(double)> of_direction(const Value& field) {
+  try {
+    Expression value =
+        parse_expression(text(field), {.definitions = {{"phi", "atan2(y, x)"}}, .on_boundary = false});
+    return [value = std::move(value)](double phi) {
+      return value(Vec2(std::cos(phi), std::sin(phi)), Vec2::Zero());
+    };
+  } catch (const Error& e) {
+    fail(field.node->position, fmt::format("{}: {}", field.name, e.what()));
+  }
+}
+
 void read_law(const Value& law, growth::GrowRequest& to) {
   const std::string kind = choice(need(law, "kind"));
   allow_only(law, kind);
-  if (kind == "quasi-static")
-    to.toughness = in_range(need(law, "K_c"));
-  else
+  if (kind != "quasi-static") {
     to.law = fatigue_law(law, kind);
+    return;
+  }
+  to.toughness = in_range(need(law, "K_c"));
+  take(law, "K_IIc", to.toughness_shear);
+  if (const auto formula = find(law, "anisotropy")) to.anisotropy = of_direction(*formula);
 }
 
 growth::CrackEnd read_end(const Value& item, const Case& c) {
@@ -106,6 +124,7 @@ void read_grow(const Value& document, const std::filesystem::path& folder, Case&
   take(*table, "step", to.step);
   take(*table, "tolerance", to.tolerance);
   take(*table, "bounds", to.bounds);
+  take(*table, "stress", to.stress);
   if (const auto until = find(*table, "until")) {
     allow_only(*until);
     take(*until, "length", to.length);

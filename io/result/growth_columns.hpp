@@ -14,6 +14,7 @@ inline constexpr std::pair<const char*, double growth::GrownTip::*> columns_of_t
     {"K_II", &growth::GrownTip::K_II},
     {"T", &growth::GrownTip::T},
     {"G", &growth::GrownTip::G},
+    {"K_max", &growth::GrownTip::K_max},
     {"K_I_min", &growth::GrownTip::K_I_min},
     {"K_II_min", &growth::GrownTip::K_II_min},
     {"dK", &growth::GrownTip::dK},

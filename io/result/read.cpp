@@ -499,6 +499,8 @@ GrowthResult read_growth(const Json& from) {
   out.cycles_error = read_number(from, "cycles_error");
   out.energy_balance = read_number(from, "energy_balance");
   out.bounds = maybe_intervals<growth::PathBounds>(from, intervals_of_path);
+  if (from.contains("unstable_from")) out.unstable_from = whole(from, "unstable_from");
+  if (from.contains("snaps_back_from")) out.snaps_back_from = whole(from, "snaps_back_from");
   for (const Json& s : list(from, "steps")) {
     growth::GrowthStep& step = out.steps.emplace_back();
     step.number = whole(s, "step");

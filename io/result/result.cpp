@@ -255,6 +255,8 @@ Json growth_section(const GrowthResult& growth) {
               {"cycles_error", number(growth.cycles_error)},
               {"energy_balance", number(growth.energy_balance)},
               {"steps", std::move(steps)}};
+  if (growth.unstable_from) out["unstable_from"] = *growth.unstable_from;
+  if (growth.snaps_back_from) out["snaps_back_from"] = *growth.snaps_back_from;
   if (growth.bounds) out["bounds"] = intervals(*growth.bounds, intervals_of_path);
   return out;
 }

@@ -359,6 +359,14 @@ void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
                                   fatigue ? "dK" : "K", six(tip.dK), with_blank(K)));
     add(out, "", items);
   }
+  if (g.unstable_from)
+    add_sentence(out, "",
+                 fmt::format("unstable from step {} on: the load falls as the crack grows{}", *g.unstable_from,
+                             !g.snaps_back_from ? std::string()
+                             : *g.snaps_back_from == *g.unstable_from
+                                 ? ", and so does its displacement (snap-back)"
+                                 : fmt::format(", from step {} on its displacement, too (snap-back)",
+                                               *g.snaps_back_from)));
   if (std::isfinite(g.energy_balance))
     add_sentence(
         out, "",

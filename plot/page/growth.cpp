@@ -32,7 +32,7 @@ std::string growth_table(const GrowthResult& g) {
 
 }  // namespace
 
-std::string growth_section(const GrowthResult& g) {
+std::string growth_section(const GrowthResult& g, const PageData& data) {
   std::string out = "<h2>Growth</h2>\n";
   const auto bar = [](double error) {
     return std::isfinite(error) ? fmt::format(" &plusmn; {}", pretty(error, 2)) : std::string();
@@ -44,6 +44,14 @@ std::string growth_section(const GrowthResult& g) {
     out += fmt::format("<p>{}.</p>\n", escape_html(g.ended));
   if (std::isfinite(g.path_error)) out += fmt::format("<p>The path is known to{}.</p>\n", bar(g.path_error));
   for (const std::string& note : g.notes) out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(note));
+  if (g.bounds && g.bounds->guaranteed && std::isfinite(g.bounds->cycles.high))
+    out += fmt::format("<p>Guaranteed at every step: between {} and {} cycles if K changes one way between steps.</p>\n",
+                       pretty(g.bounds->cycles.low), pretty(g.bounds->cycles.high));
+  if (const NamedArray* shots = find_array(data.arrays, "growth.shots"))
+    out += fmt::format(
+        "<figure class=\"view\" id=\"growth\"><div class=\"stage\" role=\"group\" aria-label=\"The body, step by "
+        "step\"></div>\n<figcaption>The body at {} of {} steps, its cracks red.</figcaption></figure>\n",
+        shots->rows(), g.steps.size());
   if (g.steps.size() > 1) {
     out += "<div class=\"curves\">\n";
     for (const char* id : {"growth-length", "growth-K"})

@@ -99,7 +99,7 @@ std::string page(const Result& r, const PageData& data) {
   if (r.map) out += map_section(r, find_array(data.arrays, "map") ? body_figure("map", map_finding(r)) : std::string());
   out += cracks_section(r);
   if (!r.steps.empty()) out += steps_section(r);
-  if (r.growth) out += growth_section(*r.growth);
+  if (r.growth) out += growth_section(*r.growth, data);
   if (r.bounds) out += bounds_section(r);
   if (r.validate) out += validation_section(r);
   if (r.optimize) out += optimize_section(r, data);

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 
@@ -415,17 +416,34 @@ std::vector<std::string> growth_curves(const Result& r) {
   return {history_part(lengths, of, places), history_part(intensities, of, places)};
 }
 
-std::string design(const Result& r, const NamedArray& shots) {
+/// Bodies under a slider, each with the words that belong to it.
+std::string under_slider(const std::string& slider, const NamedArray& shots,
+                         const std::function<std::string(int number, double value, double volume)>& words) {
   std::vector<std::string> all;
   for (std::size_t i = 0; i + 2 < shots.numbers.size(); i += 3) {
     JsonObject shot;
-    shot.number("iteration", shots.numbers[i]).number("objective", shots.numbers[i + 1]);
-    all.push_back(shot.number("volume", shots.numbers[i + 2]).done());
+    all.push_back(shot.text("text", words(static_cast<int>(shots.numbers[i]), shots.numbers[i + 1],
+                                          shots.numbers[i + 2]))
+                      .done());
   }
   JsonObject out;
-  return out.text("unit", r.functional_dimension ? unit(r.units, *r.functional_dimension) : std::string())
-      .add("shots", json_list(all))
-      .done();
+  return out.text("slider", slider).add("shots", json_list(all)).done();
+}
+
+std::string design(const Result& r, const NamedArray& shots) {
+  const std::string in = r.functional_dimension ? unit(r.units, *r.functional_dimension) : std::string();
+  return under_slider("iteration", shots, [&](int number, double objective, double volume) {
+    return fmt::format("iteration {}: objective {:.6g}{}, volume fraction {:.4g}", number, objective,
+                       in.empty() ? in : " " + in, volume);
+  });
+}
+
+std::string grown(const GrowthResult& g, const NamedArray& shots) {
+  const bool fatigue = g.law != "quasi-static";
+  return under_slider("step", shots, [&](int number, double value, double) {
+    return fatigue ? fmt::format("step {}: {:.6g} cycles", number, value)
+                   : fmt::format("step {}: load {:.6g}", number, value);
+  });
 }
 
 }  // namespace
@@ -446,6 +464,8 @@ std::string data_elements(const Result& r, const PageData& data) {
   if (!curves.empty()) head.add("history", json_list(curves));
   if (const NamedArray* shots = find_array(data.arrays, "design.shots"); shots && r.optimize)
     head.add("design", design(r, *shots));
+  if (const NamedArray* shots = find_array(data.arrays, "growth.shots"); shots && r.growth)
+    head.add("growth", grown(*r.growth, *shots));
   std::string out = "<script type=\"application/json\" id=\"kerf-data\">" + head.done() + "</script>\n";
   for (const NamedArray& a : data.arrays) out += array_element(a);
   for (std::size_t i = 0; i < r.cracks.size(); ++i) out += array_element(crack_array(r.cracks[i], i));

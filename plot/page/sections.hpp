@@ -27,7 +27,7 @@ std::string load_cases_section(const Result& result);
 /// The history of [[step]]: slots of its curves, and a table.
 std::string steps_section(const Result& result);
 /// Curves and a table of cracks that grew.
-std::string growth_section(const GrowthResult& growth);
+std::string growth_section(const GrowthResult& growth, const PageData& data);
 /// Where quantities are bounded.
 std::string bounds_section(const Result& result);
 std::string validation_section(const Result& result);

@@ -2,10 +2,10 @@
 
 import { curve, finite, positive } from "./curves.js";
 import { load } from "./data.js";
-import { design } from "./design.js";
 import { element } from "./dom.js";
 import { Figure } from "./figure.js";
 import { found } from "./found.js";
+import { shots } from "./shots.js";
 
 /** Light or dark as the reader has it, or as the button says. */
 function themes() {
@@ -95,7 +95,8 @@ function start() {
     const root = document.getElementById(spec.id);
     if (root && data.array("points")) figures.push(new Figure(root, data, spec));
   }
-  if (data.design) design(document.getElementById("design"), data);
+  for (const of of ["design", "growth"])
+    if (data[of]) shots(document.getElementById(of), data, of);
   found(document.getElementById("found"), data);
   cracks(data);
   validation(data);

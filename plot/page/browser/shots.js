@@ -1,13 +1,12 @@
-// How a design changed: one iteration at a time, under a slider.
+// How a body changed, a design or cracks that grow: one step at a time, under a slider.
 
 import { element, theme } from "./dom.js";
-import { format } from "./numbers.js";
 
-/** Loops of the boundary and lines of cracks of every kept iteration. */
-function read(data) {
-  const points = data.array("design.points"), lines = data.array("design.lines");
+/** Loops of the boundary and lines of cracks of every kept step of "design" or "growth". */
+function read(data, of) {
+  const points = data.array(`${of}.points`), lines = data.array(`${of}.lines`);
   if (!points || !lines) return [];
-  const shots = data.design.shots.map((s) => ({ ...s, boundary: [], cracks: [] }));
+  const shots = data[of].shots.map((s) => ({ ...s, boundary: [], cracks: [] }));
   let at = 0;
   for (let i = 0; i < lines.length; i += 3) {  // shot, 0: boundary or 1: crack, number of points
     const line = points.subarray(2 * at, 2 * (at + lines[i + 2]));
@@ -17,9 +16,9 @@ function read(data) {
   return shots;
 }
 
-export function design(root, data) {
-  const shots = read(data);
-  const stage = root.querySelector(".stage");
+export function shots(root, data, of) {
+  const shots = read(data, of), name = data[of].slider;
+  const stage = root?.querySelector(".stage");
   if (!stage || shots.length === 0) return;
   stage.textContent = "";
   let low = [Infinity, Infinity], high = [-Infinity, -Infinity];
@@ -31,11 +30,11 @@ export function design(root, data) {
       }
   const canvas = element("canvas", { class: "field", role: "img" });
   stage.append(canvas);
-  const slider = element("input", { type: "range", min: "0", max: String(shots.length - 1), step: "1", value: String(shots.length - 1), id: "iteration" });
+  const slider = element("input", { type: "range", min: "0", max: String(shots.length - 1), step: "1", value: String(shots.length - 1), id: name });
   const play = element("button", { type: "button" }, ["play"]);
   const said = element("output", { class: "readout" });
   if (shots.length > 1) stage.before(element("div", { class: "controls" }, [
-    element("span", { class: "control wide" }, [element("label", { for: "iteration" }, ["iteration"]), slider]), play]));
+    element("span", { class: "control wide" }, [element("label", { for: name }, [name]), slider]), play]));
   stage.after(said);
 
   const path = (c, line, to, close) => {
@@ -72,10 +71,10 @@ export function design(root, data) {
     c.setLineDash([4, 4]);
     c.stroke();
     c.setLineDash([]);
-    const text = `iteration ${shot.iteration}: objective ${format(shot.objective)}${data.design.unit ? ` ${data.design.unit}` : ""}, volume fraction ${format(shot.volume, 4)}`;
+    const { text } = shot;
     said.value = text;
     slider.setAttribute("aria-valuetext", text);
-    canvas.setAttribute("aria-label", `The design at ${text}.`);
+    canvas.setAttribute("aria-label", `The body at ${text}.`);
     root.dataset.drawn = String(slider.value);
   };
   slider.addEventListener("input", draw);
