@@ -10,6 +10,9 @@ namespace kerf {
 /// the first, or the arc a full turn). They end on the outline, on holes, and where a third region comes in.
 std::vector<Crack> seams(const Shape& shape, Index region, Index other);
 
+/// Whether regions share sides, or parts of them, with each other, the outline or holes.
+bool regions_touch(const Shape& shape);
+
 /// Per crack of the shape, whether it is made of sides of regions, from corner to corner inside the body.
 std::vector<bool> along_regions(const Shape& shape);
 

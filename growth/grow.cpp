@@ -5,7 +5,9 @@
 // The first piece from a tip that is loaded in shear is straight, at the kink angle; later ones are arcs that leave the
 // crack without a kink, drawn by chords as long as the edges at the tip: the path is C1 and its error of second order
 // in the step. K is linear in the load where faces do not change what they do, so that states at other loads are solved
-// only with gaps, with strains of their own, or where loads change their sign. docs/theory/growth.md.
+// only with gaps, with strains of their own, or where loads change their sign. A tip crosses the border of a region within a
+// step, whose length is such that it ends clear of the border, with rings for K in one material, and goes on by the law
+// of that region. docs/theory/growth.md.
 
 #include "kerf/growth.hpp"
 
@@ -41,6 +43,9 @@ constexpr int piece_chords = 12, kept = 4;  // of a piece that turns
 constexpr double largest_turn = 0.26;       // radians: a piece turns by no more, else it begins with a kink
 constexpr double symmetric = 1e-3;          // |k_2| / k_1 at a tip that has grown
 constexpr double tie = 1e-2;                // tips that need the same load, relative
+constexpr double clear = 0.5;               // of a step: room of a tip beside a border, for rings in one material
+
+constexpr const char* on_border = "on a border between materials, where there is no K";
 
 double angle_of(const Vec2& v) {
   return std::atan2(v.y(), v.x());
@@ -87,24 +92,25 @@ struct Obstacle {
   std::string name;
   const Arc* arc = nullptr;
 };
+/// The sides of a loop, which must outlive them.
+void add_loop(const Loop& loop, const std::string& name, std::vector<Obstacle>& all) {
+  constexpr int pieces = 64;  // of an arc
+  for (std::size_t i = 0; i < loop.sides.size(); ++i) {
+    const Side& side = loop.sides[i];
+    if (!side.arc) {
+      all.push_back({side.start, loop.sides[(i + 1) % loop.sides.size()].start, name});
+      continue;
+    }
+    const std::vector<Vec2> p = points_on(*side.arc, pieces);
+    for (int k = 0; k < pieces; ++k)
+      all.push_back({p[static_cast<std::size_t>(k)], p[static_cast<std::size_t>(k) + 1], name, &*side.arc});
+  }
+}
 /// `shape` must outlive them.
 std::vector<Obstacle> obstacles(const Shape& shape, const CrackEnd& own) {
   std::vector<Obstacle> all;
-  const auto add_loop = [&](const Loop& loop, const std::string& name) {
-    constexpr int pieces = 64;  // of an arc
-    for (std::size_t i = 0; i < loop.sides.size(); ++i) {
-      const Side& side = loop.sides[i];
-      if (!side.arc) {
-        all.push_back({side.start, loop.sides[(i + 1) % loop.sides.size()].start, name});
-        continue;
-      }
-      const std::vector<Vec2> p = points_on(*side.arc, pieces);
-      for (int k = 0; k < pieces; ++k)
-        all.push_back({p[static_cast<std::size_t>(k)], p[static_cast<std::size_t>(k) + 1], name, &*side.arc});
-    }
-  };
-  add_loop(shape.outline, "the outline");
-  for (const Loop& hole : shape.holes) add_loop(hole, fmt::format("hole \"{}\"", hole.name));
+  add_loop(shape.outline, "the outline", all);
+  for (const Loop& hole : shape.holes) add_loop(hole, fmt::format("hole \"{}\"", hole.name), all);
   for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
     const Crack& crack = shape.cracks[c];
     const auto& p = crack.points;
@@ -142,6 +148,22 @@ std::optional<Hit> first_hit(const std::vector<Obstacle>& all, const Vec2& tip, 
     from = path[k];
   }
   return std::nullopt;
+}
+
+/// Where a path crosses the border of a region; `after`: whether its end lies inside, `odd` times crossed or not.
+struct BorderCrossing {
+  Hit first;
+  bool odd = false, inside = false;
+};
+std::optional<BorderCrossing> crossing_of(const Loop& region, const Vec2& tip, const std::vector<Vec2>& path) {
+  std::vector<Obstacle> sides;
+  add_loop(region, fmt::format("region \"{}\"", region.name), sides);
+  const std::optional<Hit> first = first_hit(sides, tip, path, 0);
+  if (!first) return std::nullopt;
+  std::vector<Vec2> border;
+  for (const Obstacle& side : sides) border.push_back(side.a);
+  const bool within = inside(border, path.back());
+  return BorderCrossing{*first, inside(border, tip) != within, within};
 }
 
 BoundaryField times(double factor, const BoundaryField& field) {
@@ -300,12 +322,18 @@ class Growing {
         active_[end] = {.direction = direction_of(shape_, end)};
         continue;
       }
-      if (!asked) continue;
+      if (!asked) {
+        if (tip.on_border)
+          grown_.notes.push_back(fmt::format("{} stays as it is: it lies {}", name_of(shape_, end), on_border));
+        continue;
+      }
       throw Error(Fault::Usage,
                   fmt::format("grow.tips: {} cannot grow: {}", name_of(shape_, end),
-                              straight ? "there is no K at this tip, beside which the mesh is too coarse or something "
-                                         "else is too near"
-                                       : "its crack is an arc; draw it as a path of short straight pieces"));
+                              tip.on_border ? fmt::format("it lies {}; let it end before the border or behind it",
+                                                          on_border)
+                              : straight    ? "there is no K at this tip, beside which the mesh is too coarse or "
+                                              "something else is too near"
+                                            : "its crack is an arc; draw it as a path of short straight pieces"));
     }
     for (const CrackEnd& end : of_.tips)
       if (!now.tips.contains(end))
@@ -364,7 +392,8 @@ class Growing {
     GrownTip tip{.end = end,
                  .name = name_of(shape_, end),
                  .at = t.at,
-                 .a = path_length(shape_.cracks[static_cast<std::size_t>(end.crack)])};
+                 .a = path_length(shape_.cracks[static_cast<std::size_t>(end.crack)]),
+                 .region = t.region};
     tip.K_I = high * t.K_I, tip.K_II = high * t.K_II, tip.T = high * t.T, tip.G = high * high * t.G;
     if (!of_.law) return tip;
     const double low = !proportional_ ? 1 : bottom ? -of_.min : of_.min;
@@ -406,7 +435,20 @@ class Growing {
   bool shears(const GrownTip& tip) const {
     return !of_.law && std::isfinite(of_.toughness_shear) &&
            grows_by_shear({tip.K_I, tip.K_II, tip.T}, tip.dK,
-                          std::nextafter(tip.dK * of_.toughness_shear / *of_.toughness, 0.));
+                          std::nextafter(tip.dK * of_.toughness_shear / toughness(tip), 0.));
+  }
+
+  const RegionLaw* of_region(Index region) const {
+    const auto found = std::ranges::find(of_.regions, region, &RegionLaw::region);
+    return found == of_.regions.end() ? nullptr : &*found;
+  }
+  const GrowthLaw& law(const GrownTip& tip) const {
+    const RegionLaw* own = of_region(tip.region);
+    return own && own->law ? *own->law : *of_.law;
+  }
+  double toughness(const GrownTip& tip) const {
+    const RegionLaw* own = of_region(tip.region);
+    return own && own->toughness ? *own->toughness : *of_.toughness;
   }
 
   void load(GrownTip& tip, double nothing) const {
@@ -416,7 +458,7 @@ class Growing {
       const Direction towards = direction_of_growth(tip);
       const double opens = of_.anisotropy ? std::sqrt(release_rate(towards.k, 1) / tough_towards(tip, towards.angle))
                                           : tip.K_max;
-      tip.dK = std::max(opens, std::abs(tip.K_II) * *of_.toughness / of_.toughness_shear);
+      tip.dK = std::max(opens, std::abs(tip.K_II) * toughness(tip) / of_.toughness_shear);
       if (tip.dK <= nothing) tip.dK = 0;
       return;
     }
@@ -427,7 +469,7 @@ class Growing {
       const TipLoad pulled =
           down == 0 ? TipLoad{-pushed.K_I, -pushed.K_II, 0} : TipLoad{-down * tip.K_I_min, -down * tip.K_II_min, 0};
       const LoadCurve curve = LoadCurve::homogeneous(level, pushed, pulled);
-      tip.rate = block_growth(*of_.law, block_, curve, Equivalence::Opening, tip.a);
+      tip.rate = block_growth(law(tip), block_, curve, Equivalence::Opening, tip.a);
     }
     const EquivalentCycle cycle = equivalent(Equivalence::Opening, top, {tip.K_I_min, tip.K_II_min, 0});
     tip.dK = cycle.K_max - cycle.K_min;
@@ -435,13 +477,13 @@ class Growing {
     if (tip.dK == 0)
       tip.rate = 0;
     else if (block_.empty())
-      tip.rate = growth::rate(*of_.law, cycle.K_max, cycle.K_min, tip.a);
+      tip.rate = growth::rate(law(tip), cycle.K_max, cycle.K_min, tip.a);
   }
 
   /// Sets da of those that grow. False: none does, and why is in `ended`.
   bool share_out(GrowthStep& s) {
     std::vector<double> rates;
-    for (const GrownTip& tip : s.tips) rates.push_back(of_.law ? tip.rate : tip.dK);
+    for (const GrownTip& tip : s.tips) rates.push_back(of_.law ? tip.rate : tip.dK / toughness(tip));
     const Advances fastest = growth::advance(rates, scale_ * step_);
     if (fastest.all_rest || fastest.runs) {
       grown_.ended = fastest.runs ? "unstable: K reaches the toughness of the law at the largest load"
@@ -450,10 +492,37 @@ class Growing {
       return false;
     }
     const double most = *std::ranges::max_element(rates);
-    if (!of_.law) s.load = *of_.toughness / most;
+    if (!of_.law) s.load = 1 / most;
     for (std::size_t i = 0; i < s.tips.size(); ++i)
       s.tips[i].da = of_.law ? fastest.lengths[i] : rates[i] >= (1 - tie) * most ? scale_ * step_ : 0;
+    keep_off_borders(s);
     return true;
+  }
+
+  /// A tip that would end too near to the border of a region goes less far, or further, as little as is enough; all
+  /// tips alike, since their lengths belong together. Along a border none is enough: then the largest room is taken.
+  void keep_off_borders(GrowthStep& s) {
+    if (shape_.regions.empty()) return;
+    std::vector<Obstacle> borders;
+    for (const Loop& region : shape_.regions) add_loop(region, region.name, borders);
+    const auto room = [&](double factor) {
+      double least = infinity;
+      for (GrownTip tip : s.tips) {
+        if (!(tip.da > 0)) continue;
+        const double wanted = clear * tip.da;
+        tip.da *= factor;
+        const Vec2 end = piece_of(begin(tip)).back();
+        for (const Obstacle& o : borders) least = std::min(least, distance(end, o.a, o.b) / wanted);
+      }
+      return least;
+    };
+    double best = 1, widest = room(1);
+    constexpr int most = 12;  // twentieths
+    for (int k = 1; k <= most && widest < 1; ++k)
+      for (const double factor : {1 - k / 20.0, 1 + k / 20.0})
+        if (const double there = room(factor); there > widest && widest < 1) widest = there, best = factor;
+    for (GrownTip& tip : s.tips) tip.da *= best;
+    sizing_.crack_tip_size = std::min(of_tips_ > 0 ? of_tips_ : infinity, best * sizing_.crack_tip_size);
   }
 
   Solved step(Solved now) {
@@ -463,8 +532,9 @@ class Growing {
     for (const auto& [end, unused] : active_) {
       if (!now.tips.contains(end)) continue;  // it has met something
       if (!std::isfinite(now.tips.at(end).K_I)) {
-        grown_.ended =
-            fmt::format("there is no K at {}: something is too near, or the mesh too coarse", name_of(shape_, end));
+        grown_.ended = fmt::format("there is no K at {}: {}", name_of(shape_, end),
+                                   now.tips.at(end).on_border ? fmt::format("it lies {}", on_border)
+                                                              : "something is too near, or the mesh too coarse");
         continue;
       }
       s.tips.push_back(measured(end, now, bottom ? &*bottom : nullptr));
@@ -605,12 +675,12 @@ class Growing {
       track.first = std::min(track.first, s.number);
     }
     if (!of_.law) return;
-    std::map<CrackEnd, Life> lives;  // of tips that have always grown
+    std::map<CrackEnd, Counted> lives;  // of tips that have always grown
     for (const auto& [end, track] : tracks_) {
       const bool whole = track.x.size() > 1 &&
                          std::ranges::all_of(track.rates, [](double r) { return r > 0 && std::isfinite(r); }) &&
                          std::ranges::adjacent_find(track.x, std::greater_equal<>()) == track.x.end();
-      if (whole) lives.emplace(end, Life::of_rates(track.x, track.rates));
+      if (whole) lives.emplace(end, counted(track));
     }
     double sum = 0, error = 0;
     for (const GrowthStep& before : grown_.steps) {
@@ -622,12 +692,43 @@ class Growing {
         sum += fastest.da / fastest.rate;
         continue;
       }
-      const std::vector<double>& cycles = life->second.cycles_at_points();
+      const std::vector<double>& cycles = life->second.cycles;
       sum += cycles[at + 1] - cycles[at];
-      error = std::max(error, life->second.error());  // of all of its steps
+      error = std::max(error, life->second.error);  // of all of its steps
     }
     s.cycles = sum;
     if (!grown_.steps.empty()) grown_.cycles_error = error;
+  }
+
+  struct Track;
+  /// Cycles at the points of a track. The rate jumps at borders: each of the two beside one stands up to there, and half
+  /// of that counts as error.
+  struct Counted {
+    std::vector<double> cycles;
+    double error = 0;
+  };
+  static Counted counted(const Track& track) {
+    Counted c;
+    std::size_t from = 0;
+    double done = 0;
+    for (std::size_t k = 0; k <= track.borders.size(); ++k) {
+      const std::size_t last = k < track.borders.size() ? track.borders[k].point : track.x.size() - 1;
+      const std::size_t count = last - from + 1;
+      if (count > 1) {
+        const Life life = Life::of_rates(std::span(track.x).subspan(from, count), std::span(track.rates).subspan(from, count));
+        for (const double cycles : life.cycles_at_points()) c.cycles.push_back(done + cycles);
+        if (std::isfinite(life.error())) c.error += life.error();
+      } else {
+        c.cycles.push_back(done);
+      }
+      if (k == track.borders.size()) break;
+      const double border = track.borders[k].x,
+                   across = (border - track.x[last]) / track.rates[last] + (track.x[last + 1] - border) / track.rates[last + 1];
+      done = c.cycles.back() + across;
+      c.error += across / 2;
+      from = last + 1;
+    }
+    return c;
   }
 
   std::size_t ends_of(Index crack) const {
@@ -761,6 +862,7 @@ class Growing {
   }
 
   void accept(GrowthStep& s, const std::vector<Trial>& trials, Shape shape) {
+    for (const Trial& t : trials) note_borders(s, t);
     shape_ = std::move(shape);
     for (const Trial& t : trials) {
       Active& there = active_.at(t.tip->end);
@@ -776,6 +878,25 @@ class Growing {
       grown_.notes.push_back(fmt::format("{} reaches {} at ({:.6g}, {:.6g}) in step {}", name_of(shape_, t.tip->end),
                                          t.hit->name, t.hit->at.x(), t.hit->at.y(), s.number));
       active_.erase(t.tip->end);
+    }
+  }
+
+  /// What is said of borders that a tip crosses; its rates are counted apart on both sides.
+  void note_borders(const GrowthStep& s, const Trial& t) {
+    const std::vector<Vec2> path = path_of(t);
+    const Vec2& from = t.tip->at;
+    for (const Loop& region : shape_.regions) {
+      const std::optional<BorderCrossing> c = crossing_of(region, from, path);
+      if (!c) continue;
+      grown_.notes.push_back(fmt::format("{} {} {} at ({:.6g}, {:.6g}) in step {}", t.tip->name,
+                                         !c->odd     ? "crosses"
+                                         : c->inside ? "enters"
+                                                     : "leaves",
+                                         c->first.name, c->first.at.x(), c->first.at.y(), s.number));
+      Track& track = tracks_[t.tip->end];
+      const double x = track.x.back() + t.tip->da * c->first.along / static_cast<double>(path.size());
+      const std::size_t point = track.x.size() - 1;
+      if (track.borders.empty() || track.borders.back().point != point) track.borders.push_back({point, x});
     }
   }
 
@@ -820,6 +941,11 @@ class Growing {
   struct Track {
     std::vector<double> x, rates, G;  // G of the state that was solved
     double grows = 0;                 // in the present step
+    struct Border {
+      std::size_t point;  // the last one before it
+      double x;
+    };
+    std::vector<Border> borders = {};  // that have been crossed
     int first = std::numeric_limits<int>::max();
   };
   /// The points of a track from each of which it has grown, and the last one.

@@ -82,6 +82,7 @@ struct TipResult {
     double K_I, K_II, G, T;
   };
   std::optional<Margin> margin = {};
+  std::string note = {};  // why there is no K, where that is known
 };
 
 struct CrackResult {

@@ -109,6 +109,10 @@ void go_through(Archive& a, Interval& i) {
 void go_through(Archive& a, TipIntensity& t) {
   a.whole(t.crack);
   a.whole(t.at_start);
+  a.whole(t.on_border);
+  Index region = t.region + 1;  // none: 0
+  a.whole(region);
+  t.region = region - 1;
   for (double* value : {&t.at.x(), &t.at.y(), &t.K_I, &t.K_II, &t.T, &t.G, &t.J, &t.radius, &t.spread, &t.spread_K_I,
                         &t.spread_K_II, &t.spread_T})
     a.number(*value);

@@ -140,6 +140,7 @@ CrackResult crack_result(const std::string& name, const CrackLaw& law, const std
 
 TipResult tip_result(const TipIntensity& t) {
   TipResult tip{.at = t.at};
+  if (t.on_border) tip.note = "on a border between materials: no K here";
   if (!std::isfinite(t.K_I)) return tip;
   tip.K_I = t.K_I, tip.K_II = t.K_II, tip.G = t.G;
   if (std::isfinite(t.T)) tip.T = t.T;

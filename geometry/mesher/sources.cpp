@@ -1,6 +1,6 @@
 // What asks for short edges.
-// Sources of the size field, each with a length and a place: tips (`crack_tip_size`), kinks, junctions and reentrant
-// corners (size/25), corners of regions (size/10), mouths of cracks (size/4), short sides (their length), ends of
+// Sources of the size field, each with a length and a place: tips (`crack_tip_size`), kinks, junctions, crossings of
+// borders and reentrant corners (size/25), corners of regions (size/10), mouths of cracks (size/4), short sides (their length), ends of
 // contact, curved sides (32 pieces per turn of the local circle of curvature, also of the images that a frame is mapped
 // to), ligaments (size/8) and narrow gaps (gaps.cpp). At a singular point with a reach the size grows like the distance
 // to the power .8 (size_field.hpp). With a background (an adaptive mesh) only what keeps the geometry counts, since the
@@ -72,7 +72,8 @@ void add_curved(const Drawing& drawing, const Strand& strand, const Sizing& sizi
 
 /// What meets at the corners of a drawing.
 struct AtCorners {
-  std::vector<bool> on_loop, junction;  // where two cracks meet
+  std::vector<bool> on_loop;
+  std::vector<bool> junction, crosses;  // where two cracks meet; where one crosses the border of a region
   std::vector<bool> smooth;             // one goes on where the other ends: parts of an interface
   std::vector<double> shortest;         // chord of the sides there
 };
@@ -81,13 +82,17 @@ struct AtCorners {
 AtCorners look_at_corners(const Drawing& drawing) {
   const std::size_t n = drawing.corners.size();
   AtCorners corners{std::vector<bool>(n, false), std::vector<bool>(n, false), std::vector<bool>(n, false),
-                    std::vector<double>(n, drawing.extent)};
+                    std::vector<bool>(n, false), std::vector<double>(n, drawing.extent)};
+  std::vector<bool> border(n, false);
+  std::vector<int> of_cracks(n, 0);
   std::vector<Index> crack(n, none);  // the last one that was seen there
   for (const Strand& s : drawing.strands) {
     const double chord = (drawing.corners[std::size_t(s.to)] - drawing.corners[std::size_t(s.from)]).norm();
     for (const std::size_t v : {std::size_t(s.from), std::size_t(s.to)}) {
       if (s.crack == none) corners.shortest[v] = std::min(corners.shortest[v], chord);
       if (s.loop != none) corners.on_loop[v] = true;
+      if (is_border(s)) border[v] = true;
+      if (s.crack != none && !s.beyond) ++of_cracks[v];
       if (s.crack == none) continue;
       if (crack[v] != none && crack[v] != s.crack) corners.junction[v] = true;
       crack[v] = s.crack;
@@ -103,6 +108,7 @@ AtCorners look_at_corners(const Drawing& drawing) {
       ++interfaces[v];
       away[v] += (start ? 1 : -1) * velocity(drawing, s, start ? 0 : 1).normalized();
     }
+  for (std::size_t v = 0; v < n; ++v) corners.crosses[v] = border[v] && of_cracks[v] > 1;
   for (std::size_t v = 0; v < n; ++v)
     corners.smooth[v] = count[v] == 2 && interfaces[v] == 2 && away[v].norm() < 5 * degree;
   return corners;
@@ -172,12 +178,13 @@ struct Finder {
     const bool kink = before && std::abs(turn(velocity(drawing, drawing.strands[*before], 1),
                                               velocity(drawing, strand, 0))) > 5 * degree;
     for (const Index end : {strand.from, strand.to})
-      if (corners.junction[std::size_t(end)] && !corners.smooth[std::size_t(end)] &&
-          !corners.on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
+      if ((corners.junction[std::size_t(end)] || corners.crosses[std::size_t(end)]) &&
+          !corners.smooth[std::size_t(end)] && !corners.on_loop[std::size_t(end)] && !asked[std::size_t(end)]) {
         asked[std::size_t(end)] = true;
         ask(end, corner, reach / 2);
       }
-    if (kink && !corners.junction[std::size_t(strand.from)]) ask(strand.from, corner, reach / 2);  // milder than a tip
+    if (kink && !corners.junction[std::size_t(strand.from)] && !corners.crosses[std::size_t(strand.from)])
+      ask(strand.from, corner, reach / 2);  // milder than a tip
     if (!follows && !before) ask_at_end(strand.from, reach);
     if (last && !closes[std::size_t(strand.crack)]) ask_at_end(strand.to, reach);
     // The two ends of an arc that nearly closes.

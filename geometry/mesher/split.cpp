@@ -137,7 +137,8 @@ std::vector<double> area_factors(const Arc& arc, const std::vector<double>& s) {
 constexpr double same_direction = 1e-6;  // sine of the angle between tangents
 
 /// Points of smooth curves that may leave them, where two pieces of arcs follow each other without a corner.
-std::vector<bool> free_points(const Drawing& drawing, const Pieces& all) {
+/// `mouth`: corners on cracks.
+std::vector<bool> free_points(const Drawing& drawing, const Pieces& all, const std::vector<bool>& mouth) {
   struct Ends {
     int count = 0;
     bool arcs = true;
@@ -146,7 +147,8 @@ std::vector<bool> free_points(const Drawing& drawing, const Pieces& all) {
   std::vector<Ends> at(all.points.size());
   for (const Piece& piece : all.pieces) {
     const Strand& strand = drawing.strands[std::size_t(piece.strand)];
-    const bool arc = strand.arc && strand.from != strand.to && strand.loop != none;
+    const bool of_factors = strand.from == strand.to && (strand.loop != none || !mouth[std::size_t(strand.from)]),
+               arc = strand.arc && !of_factors && strand.crack == none && !strand.beyond;
     for (const auto& [v, s] : {std::pair{piece.a, piece.from}, std::pair{piece.b, piece.to}}) {
       Ends& ends = at[std::size_t(v)];
       ends.arcs = ends.arcs && arc;
@@ -158,10 +160,11 @@ std::vector<bool> free_points(const Drawing& drawing, const Pieces& all) {
   for (std::size_t v = 0; v < free.size(); ++v)
     free[v] = at[v].arcs && at[v].count == 2 && std::abs(cross(at[v].tangent[0], at[v].tangent[1])) < same_direction &&
               at[v].tangent[0].dot(at[v].tangent[1]) > 0;
-  // An arc of its own stays as drawn.
+  // An arc of its own stays as drawn, unless it is the border of a region.
   std::vector<bool> joined(drawing.strands.size(), false);
   for (std::size_t k = 0; k < joined.size(); ++k)
-    joined[k] = free[std::size_t(drawing.strands[k].from)] || free[std::size_t(drawing.strands[k].to)];
+    joined[k] = free[std::size_t(drawing.strands[k].from)] || free[std::size_t(drawing.strands[k].to)] ||
+                drawing.strands[k].region != none;
   for (const Piece& piece : all.pieces)
     for (const Index v : {piece.a, piece.b})
       if (!joined[std::size_t(piece.strand)]) free[std::size_t(v)] = false;
@@ -170,8 +173,8 @@ std::vector<bool> free_points(const Drawing& drawing, const Pieces& all) {
 
 /// Moves points of smooth curves off their arcs, so that the polygon has the area that the arcs enclose, up to the
 /// fourth power of the turn of a piece: the area between each chord and its arc goes to the ends that may move.
-void keep_area(const Drawing& drawing, Pieces& all) {
-  const std::vector<bool> free = free_points(drawing, all);
+void keep_area(const Drawing& drawing, Pieces& all, const std::vector<bool>& mouth) {
+  const std::vector<bool> free = free_points(drawing, all, mouth);
   std::vector<double> lacking(all.points.size(), 0.0);
   std::vector<Vec2> across(all.points.size(), Vec2::Zero());  // from the point before to the one after
   for (const Piece& piece : all.pieces) {
@@ -231,7 +234,7 @@ Pieces split_to_size(const Drawing& drawing, const SizeField& field, int finer, 
       previous = next;
     }
   }
-  if (!curved) keep_area(drawing, all);
+  if (!curved) keep_area(drawing, all, mouth);
   return all;
 }
 

@@ -220,7 +220,7 @@ double length(const Drawing& drawing, const Strand& strand) {
 }
 
 /// Ends of all cracks come first, as they cut sides: strands of cracks are added once those of loops are final.
-Drawing draw(const Shape& shape) {
+Drawing draw(const Shape& shape, Regions regions) {
   Drawing drawing;
   drawing.extent = extent(shape);
   add_loop(drawing, shape.outline, 0);
@@ -253,8 +253,39 @@ Drawing draw(const Shape& shape) {
   }
   join_cracks(drawing);
   for (std::size_t r = 0; r < shape.regions.size(); ++r) add_loop(drawing, shape.regions[r], none, Index(r));
-  if (std::ranges::find(along, true) != along.end()) join_regions(drawing, shape, along);
+  if (regions == Regions::Apart) return drawing;
+  if (std::ranges::find(along, true) != along.end() || regions_touch(drawing)) join_regions(drawing, shape, along);
+  join_borders(drawing);
   return drawing;
+}
+
+bool whole(const Strand& strand) {
+  return strand.arc && strand.from == strand.to && std::abs(strand.arc->to - strand.arc->from) > pi;
+}
+bool is_border(const Strand& strand) {
+  return strand.region != none || strand.beyond.has_value();
+}
+
+void append_pieces(const Strand& strand, std::vector<StrandCut> cuts, std::vector<Strand>& pieces) {
+  std::stable_sort(cuts.begin(), cuts.end(), [](const StrandCut& a, const StrandCut& b) { return a.s < b.s; });
+  std::vector<StrandCut> ends = cuts;
+  if (!whole(strand) || cuts.empty()) {
+    ends.insert(ends.begin(), {0, strand.from});
+    ends.push_back({1, strand.to});
+  } else {
+    ends.push_back({1 + cuts.front().s, cuts.front().corner});
+  }
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    Strand piece = strand;
+    piece.from = ends[i].corner;
+    piece.to = ends[i + 1].corner;
+    if (strand.arc) {
+      const double turn = strand.arc->to - strand.arc->from;
+      piece.arc->from = strand.arc->from + ends[i].s * turn;
+      piece.arc->to = strand.arc->from + ends[i + 1].s * turn;
+    }
+    if (piece.from != piece.to || whole(piece)) pieces.push_back(piece);
+  }
 }
 
 std::string name(const Shape& shape, const Strand& strand) {

@@ -34,25 +34,49 @@ struct Strand {
 struct Drawing {
   std::vector<Vec2> corners;
   // Loops in order, each closed; cracks, each in the order of its path; regions, closed, unless some of their sides are
-  // those of loops, of each other or of cracks (join_regions).
+  // those of loops, of each other or of cracks (join_regions). Cracks and regions that meet share corners
+  // (join_borders).
   std::vector<Strand> strands;
   double extent = 0;
 };
-Drawing draw(const Shape& shape);
+/// Apart: every region with all of its own sides, whatever it touches.
+enum class Regions { Joined, Apart };
+Drawing draw(const Shape& shape, Regions regions = Regions::Joined);
 
 /// "the outline", "hole 'h'", "crack 'c'", "region 'r'".
 std::string name(const Shape& shape, const Strand& strand);
 
-/// In a shape with cracks along the sides of regions (`along`, per crack; interfaces): sides that regions share with
-/// loops and with each other become one strand, those of interfaces strands of cracks.
+/// Whether sides or corners of regions lie on those of loops or of each other.
+bool regions_touch(Drawing drawing);
+
+/// In a shape with cracks along the sides of regions (`along`, per crack; interfaces), or whose regions touch: sides that
+/// regions share with loops and with each other become one strand, those of interfaces strands of cracks.
 void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along);
 
 /// What is wrong with interfaces and the regions of a shape that has some, in words, or nothing: regions of which each
 /// has something of its own and something in common, interfaces in the same place.
 std::optional<std::string> find_wrong_interface(const Shape& shape, const std::vector<bool>& along);
 
+/// A whole circle or ellipse: it ends where it begins.
+bool whole(const Strand& strand);
+/// A side of a region, of an interface, too.
+bool is_border(const Strand& strand);
+
+/// Where a strand is cut, s in [0, 1].
+struct StrandCut {
+  double s;
+  Index corner;
+};
+/// The strand in pieces between its cuts, in any order; a whole circle begins and ends at cuts. Pieces between the same
+/// corner are left out.
+void append_pieces(const Strand& strand, std::vector<StrandCut> cuts, std::vector<Strand>& pieces);
+
 /// Cuts the strands of cracks where another crack ends, has a kink or crosses them; meeting strands share a corner.
 void join_cracks(Drawing& drawing);
+
+/// The same of cracks and the borders of regions, which do not move: cracks that cross them, and ends and kinks of
+/// cracks on them.
+void join_borders(Drawing& drawing);
 
 /// s in [0, 1] -> point; the corners exactly at the ends.
 Vec2 point(const Drawing& drawing, const Strand& strand, double s);

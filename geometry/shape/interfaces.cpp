@@ -20,10 +20,6 @@ namespace kerf {
 
 namespace {
 
-bool whole(const Strand& strand) {
-  return strand.arc && strand.from == strand.to;
-}
-
 /// From its end to its start.
 Strand turned(Strand strand) {
   std::swap(strand.from, strand.to);
@@ -34,38 +30,10 @@ Strand turned(Strand strand) {
   return strand;
 }
 
-struct InterfaceCut {
-  double s;
-  Index corner;
-};
-
 BoxTree tree_of(const std::vector<Vec2>& points) {
   std::vector<AxisBox> boxes;
   for (const Vec2& x : points) boxes.push_back({x, x});
   return BoxTree(boxes);
-}
-
-/// The strand in pieces between its cuts; a whole circle begins and ends at cuts.
-void append_pieces(const Strand& strand, std::vector<InterfaceCut> cuts, std::vector<Strand>& pieces) {
-  std::stable_sort(cuts.begin(), cuts.end(), [](const InterfaceCut& a, const InterfaceCut& b) { return a.s < b.s; });
-  std::vector<InterfaceCut> ends = cuts;
-  if (!whole(strand) || cuts.empty()) {
-    ends.insert(ends.begin(), {0, strand.from});
-    ends.push_back({1, strand.to});
-  } else {
-    ends.push_back({1 + cuts.front().s, cuts.front().corner});
-  }
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    Strand piece = strand;
-    piece.from = ends[i].corner;
-    piece.to = ends[i + 1].corner;
-    if (strand.arc) {
-      const double turn = strand.arc->to - strand.arc->from;
-      piece.arc->from = strand.arc->from + ends[i].s * turn;
-      piece.arc->to = strand.arc->from + ends[i + 1].s * turn;
-    }
-    if (piece.from != piece.to || whole(strand)) pieces.push_back(piece);
-  }
 }
 
 /// Shares corners and cuts strands so that sides that coincide do so from corner to corner.
@@ -76,15 +44,20 @@ class Sharing {
     for (std::size_t v = 0; v < instead_.size(); ++v) instead_[v] = Index(v);
   }
 
-  /// Corners first: cuts are counted in the strands between them.
-  void share() {
+  /// Corners first: cuts are counted in the strands between them. Whether anything was shared.
+  bool share() {
     merge_corners();
-    std::vector<std::vector<InterfaceCut>> cuts(drawing_.strands.size());
+    std::vector<std::vector<StrandCut>> cuts(drawing_.strands.size());
     for (std::size_t k = 0; k < cuts.size(); ++k)
       if (drawing_.strands[k].crack == none) cuts[k] = cuts_of(k);
     std::vector<Strand> pieces;
-    for (std::size_t k = 0; k < cuts.size(); ++k) append_pieces(drawing_.strands[k], std::move(cuts[k]), pieces);
+    bool any = merged_;
+    for (std::size_t k = 0; k < cuts.size(); ++k) {
+      any = any || !cuts[k].empty();
+      append_pieces(drawing_.strands[k], std::move(cuts[k]), pieces);
+    }
     drawing_.strands = std::move(pieces);
+    return any;
   }
 
  private:
@@ -103,7 +76,7 @@ class Sharing {
             if (seen(other) && (at(other) - at(*end)).norm() <= join_ &&
                 (first == none || place[std::size_t(other)] < place[std::size_t(first)]))
               first = other;
-          if (first != none) v = first;
+          if (first != none) v = first, merged_ = true;
         }
         if (v == *end && !seen(v)) {
           place[std::size_t(v)] = Index(corners_.size());
@@ -121,9 +94,9 @@ class Sharing {
   }
 
   /// Corners of others on strand k.
-  std::vector<InterfaceCut> cuts_of(std::size_t k) {
+  std::vector<StrandCut> cuts_of(std::size_t k) {
     const Strand& strand = drawing_.strands[k];
-    std::vector<InterfaceCut> cuts;
+    std::vector<StrandCut> cuts;
     const AxisBox box = box_of(drawing_, strand).grown(join_);
     for (const Index place : tree_.meeting(box.grown(join_))) {  // a corner may have moved by that
       const Index v = corners_[std::size_t(place)];
@@ -146,6 +119,7 @@ class Sharing {
 
   Drawing& drawing_;
   const double join_;
+  bool merged_ = false;  // any corners
   std::vector<Index> instead_, corners_;
   BoxTree tree_;  // of the corners
   std::vector<bool> of_region_;
@@ -383,7 +357,7 @@ std::vector<Strand> strands_of(const Drawing& drawing, const Crack& crack) {
 Drawing shared_regions(const Shape& shape, Nesting* nesting = nullptr) {
   Shape plain = shape;
   plain.cracks.clear();
-  Drawing drawing = draw(plain);
+  Drawing drawing = draw(plain, Regions::Apart);
   Sharing(drawing).share();
   const Nesting nested = nest(drawing, shape);
   if (nesting) *nesting = nested;
@@ -400,7 +374,7 @@ std::vector<bool> along_regions(const Shape& shape) {
   if (shape.regions.empty() || shape.cracks.empty()) return along;
   Shape plain = shape;
   plain.cracks.clear();
-  const Drawing drawing = draw(plain);
+  const Drawing drawing = draw(plain, Regions::Apart);
   const double join = join_tolerance * drawing.extent;
   const auto far = [&](const Strand& strand, const Vec2& x) {
     if (!strand.arc) return false;
@@ -435,6 +409,17 @@ std::vector<bool> along_regions(const Shape& shape) {
     along[c] = std::abs(covered - path_length(shape.cracks[c])) <= 1e-4 * covered;
   }
   return along;
+}
+
+bool regions_touch(Drawing drawing) {
+  return Sharing(drawing).share();
+}
+
+bool regions_touch(const Shape& shape) {
+  if (shape.regions.empty()) return false;
+  Shape plain = shape;
+  plain.cracks.clear();
+  return std::ranges::any_of(draw(plain).strands, [](const Strand& s) { return s.beyond.has_value(); });
 }
 
 /// Strands of cracks come before those of regions (Drawing::strands).

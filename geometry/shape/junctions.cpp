@@ -1,13 +1,14 @@
-// Where cracks meet one another: shared ends, ends and kinks on a strand, crossings.
+// Where cracks meet one another, and the borders of regions: shared ends, ends and kinks on a strand, crossings.
 // In three steps: corners of two cracks within 1e-6 of the extent become one; ends and kinks near a strand of another
 // crack are moved onto it and cut it; strands that cross cut each other at a new corner, unless a corner is there
-// already. Crossings of lines and circles are computed directly. Corners on loops never move. The result is cut strands
-// that share corners.
+// already. Crossings of lines and circles are computed directly, those of an arc and an ellipse by bisection between
+// samples. Corners on loops and of regions never move. The result is cut strands that share corners.
 
 #include "geometry/shape/drawing.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 namespace kerf {
@@ -15,11 +16,6 @@ namespace kerf {
 namespace {
 
 constexpr double least_sine = 0.017;  // find_problem refuses cracks that meet at less than a degree
-
-struct JunctionCut {
-  double s;
-  Index corner;
-};
 
 /// Where two strands cross.
 /// s on the first, t on the second, both from 0 to 1.
@@ -31,9 +27,10 @@ struct Crossing {
 struct Joiner {
   Drawing& drawing;
   const double join;                           // corners nearer than this are one
-  std::size_t first;                           // strand of a crack
+  std::size_t first;                           // strand that is no side of a loop
+  const std::function<bool(const Strand&, const Strand&)>& meet;
   std::vector<bool> fixed;                     // per corner: on a loop, or moved already
-  std::vector<std::vector<JunctionCut>> cuts;  // per strand of a crack, counted from `first`
+  std::vector<std::vector<StrandCut>> cuts;    // per strand, counted from `first`
 
   const Strand& strand(std::size_t k) const {
     return drawing.strands[first + k];
@@ -43,13 +40,18 @@ struct Joiner {
   }
   bool has(std::size_t k, Index corner) const {
     return strand(k).from == corner || strand(k).to == corner ||
-           std::any_of(cuts[k].begin(), cuts[k].end(), [&](const JunctionCut& cut) { return cut.corner == corner; });
+           std::any_of(cuts[k].begin(), cuts[k].end(), [&](const StrandCut& cut) { return cut.corner == corner; });
   }
   template <class Visit>
   void each_corner(std::size_t k, Visit&& visit) const {
     visit(strand(k).from);
     visit(strand(k).to);
-    for (const JunctionCut& cut : cuts[k]) visit(cut.corner);
+    for (const StrandCut& cut : cuts[k]) visit(cut.corner);
+  }
+  /// Its ends; the seam of a whole circle is no corner.
+  std::vector<Index> ends(std::size_t k) const {
+    if (whole(strand(k))) return {};
+    return {strand(k).from, strand(k).to};
   }
 };
 
@@ -63,7 +65,7 @@ void each_pair(const Joiner& j, Visit&& visit) {
   for (std::size_t k = 0; k < boxes.size(); ++k) {
     later.push_back(tree.meeting(boxes[k]));
     std::erase_if(later.back(),
-                  [&](Index l) { return std::size_t(l) <= k || j.strand(std::size_t(l)).crack == j.strand(k).crack; });
+                  [&](Index l) { return std::size_t(l) <= k || !j.meet(j.strand(std::size_t(l)), j.strand(k)); });
   }
   for (std::size_t k = 0; k < later.size(); ++k)
     for (const Index l : later[k]) visit(k, std::size_t(l));
@@ -78,8 +80,8 @@ void merge_corners(Joiner& j) {
     return v;
   };
   each_pair(j, [&](std::size_t k, std::size_t l) {
-    for (const Index given : {j.strand(k).from, j.strand(k).to})
-      for (const Index other : {j.strand(l).from, j.strand(l).to}) {
+    for (const Index given : j.ends(k))
+      for (const Index other : j.ends(l)) {
         const Index a = instead(given), b = instead(other);
         if (a == b || (j.at(given) - j.at(other)).norm() > j.join) continue;
         const bool keep_b = j.fixed[std::size_t(b)] && !j.fixed[std::size_t(a)];
@@ -97,7 +99,7 @@ void merge_corners(Joiner& j) {
 void cut_at_corners(Joiner& j) {
   each_pair(j, [&](std::size_t a, std::size_t b) {
     for (const auto& [k, l] : {std::pair(a, b), std::pair(b, a)})
-      for (const Index v : {j.strand(k).from, j.strand(k).to}) {
+      for (const Index v : j.ends(k)) {
         if (j.has(l, v)) continue;
         const Foot foot = nearest(j.drawing, j.strand(l), j.at(v));
         if (!(foot.distance <= j.join)) continue;
@@ -109,9 +111,44 @@ void cut_at_corners(Joiner& j) {
   });
 }
 
-/// s of the point x of the arc's circle, or a number outside [0, 1].
+bool is_circle(const Arc& arc) {
+  return largest_radius(arc) - smallest_radius(arc) <= 1e-9 * largest_radius(arc);
+}
+
+/// s of the point x of the arc's circle or ellipse, or a number outside [0, 1].
 double place_on_arc(const Arc& arc, const Vec2& x) {
-  return 0.5 + beyond_middle(arc, x) / (arc.to - arc.from);
+  const double turn = arc.to - arc.from;
+  if (is_circle(arc)) return 0.5 + beyond_middle(arc, x) / turn;
+  return 0.5 + std::remainder(parameter(arc, x) - arc.from - turn / 2, 2 * pi) / turn;
+}
+
+/// s of a strand where it crosses an ellipse that is no circle: where |A^-1 (x - center)| = 1.
+std::vector<double> crossings_of_ellipse(const Drawing& drawing, const Strand& p, const Arc& ellipse) {
+  const auto round = [&](const Vec2& x) {  // A^-1 (x - center)
+    const Vec2 d = x - ellipse.center, p = ellipse.axes.col(0), q = ellipse.axes.col(1);
+    return Vec2(cross(d, q) / cross(p, q), cross(p, d) / cross(p, q));
+  };
+  if (!p.arc) {
+    const Vec2 a = round(drawing.corners[std::size_t(p.from)]), d = round(drawing.corners[std::size_t(p.to)]) - a;
+    const double s = -a.dot(d) / d.squaredNorm(), height = (a + s * d).norm();
+    if (height >= 1) return {};
+    const double half = std::sqrt((1 - height) * (1 + height)) / d.norm();
+    return {s - half, s + half};
+  }
+  constexpr int samples = 256, steps = 60;
+  const auto outside = [&](double s) { return round(point(drawing, p, s)).squaredNorm() > 1; };
+  std::vector<double> found;
+  for (int i = 0; i < samples; ++i) {
+    double low = double(i) / samples, high = double(i + 1) / samples;
+    const bool before = outside(low);
+    if (before == outside(high)) continue;
+    for (int step = 0; step < steps; ++step) {
+      const double middle = (low + high) / 2;
+      (outside(middle) == before ? low : high) = middle;
+    }
+    found.push_back((low + high) / 2);
+  }
+  return found;
 }
 
 /// Two circles: `along` is the distance of the common chord from the first center. Differences of squares are written
@@ -123,7 +160,12 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
   };
   const Vec2& a = drawing.corners[std::size_t(p.from)];
   const Vec2 d = drawing.corners[std::size_t(p.to)] - a;
-  if (!p.arc && !q.arc) {
+  if (q.arc && !is_circle(*q.arc)) {
+    for (const double s : crossings_of_ellipse(drawing, p, *q.arc)) {
+      const Vec2 x = p.arc ? at(*p.arc, p.arc->from + s * (p.arc->to - p.arc->from)) : Vec2(a + s * d);
+      offer(s, place_on_arc(*q.arc, x), x);
+    }
+  } else if (!p.arc && !q.arc) {
     const Vec2& b = drawing.corners[std::size_t(q.from)];
     const Vec2 e = drawing.corners[std::size_t(q.to)] - b;
     const double product = cross(d, e);
@@ -136,7 +178,7 @@ std::vector<Crossing> crossings(const Drawing& drawing, const Strand& p, const S
     if (height >= radius) return {};
     const double half = std::sqrt((radius - height) * (radius + height)) / d.norm();
     for (const double u : {s - half, s + half}) offer(u, place_on_arc(*q.arc, a + u * d), a + u * d);
-  } else if (!q.arc) {
+  } else if (!q.arc || !is_circle(*p.arc)) {
     for (const Crossing& c : crossings(drawing, q, p)) found.push_back({c.t, c.s, c.at});
   } else {
     const double r = largest_radius(*p.arc), other = largest_radius(*q.arc);
@@ -187,36 +229,45 @@ void cut_at_crossings(Joiner& j) {
   });
 }
 
-}  // namespace
-
-void join_cracks(Drawing& drawing) {
+/// `meet`: which pairs of strands are looked at, from `first` on.
+void join(Drawing& drawing, std::size_t first, const std::function<bool(const Strand&, const Strand&)>& meet) {
   std::vector<bool> fixed(drawing.corners.size(), false);
-  std::size_t first = 0;
-  for (; first < drawing.strands.size() && drawing.strands[first].loop != none; ++first)
-    fixed[std::size_t(drawing.strands[first].from)] = true;
-  Joiner joiner{drawing, join_tolerance * drawing.extent, first, std::move(fixed),
-                std::vector<std::vector<JunctionCut>>(drawing.strands.size() - first)};
+  for (const Strand& strand : drawing.strands)
+    if (strand.loop != none || is_border(strand))
+      fixed[std::size_t(strand.from)] = fixed[std::size_t(strand.to)] = true;
+  Joiner joiner{drawing,
+                join_tolerance * drawing.extent,
+                first,
+                meet,
+                std::move(fixed),
+                std::vector<std::vector<StrandCut>>(drawing.strands.size() - first)};
   merge_corners(joiner);
   cut_at_corners(joiner);
   cut_at_crossings(joiner);
-
   std::vector<Strand> strands(drawing.strands.begin(), drawing.strands.begin() + Index(first));
-  for (std::size_t k = 0; k < joiner.cuts.size(); ++k) {
-    std::vector<JunctionCut>& cuts = joiner.cuts[k];
-    std::stable_sort(cuts.begin(), cuts.end(), [](const JunctionCut& a, const JunctionCut& b) { return a.s < b.s; });
-    Strand rest = joiner.strand(k);
-    cuts.push_back({1, rest.to});
-    for (const JunctionCut& cut : cuts) {
-      Strand piece = rest;
-      piece.to = rest.from = cut.corner;
-      if (piece.arc) {
-        const Arc& whole = *joiner.strand(k).arc;
-        piece.arc->to = rest.arc->from = whole.from + cut.s * (whole.to - whole.from);
-      }
-      if (piece.from != piece.to) strands.push_back(piece);
-    }
-  }
+  for (std::size_t k = 0; k < joiner.cuts.size(); ++k)
+    append_pieces(joiner.strand(k), std::move(joiner.cuts[k]), strands);
   drawing.strands = std::move(strands);
+}
+
+}  // namespace
+
+void join_cracks(Drawing& drawing) {
+  std::size_t first = 0;
+  while (first < drawing.strands.size() && drawing.strands[first].loop != none) ++first;
+  join(drawing, first, [](const Strand& a, const Strand& b) { return a.crack != b.crack; });
+}
+
+/// Corners of borders and loops stay. The seam of a whole circle is no corner.
+void join_borders(Drawing& drawing) {
+  const auto has = [&](auto&& is) { return std::ranges::any_of(drawing.strands, is); };
+  const auto is_crack = [](const Strand& s) { return s.crack != none && !is_border(s); };
+  if (!has(is_border) || !has(is_crack)) return;
+  std::size_t first = 0;
+  while (first < drawing.strands.size() && drawing.strands[first].loop != none) ++first;
+  join(drawing, first, [&](const Strand& a, const Strand& b) {
+    return (is_border(a) && is_crack(b)) || (is_border(b) && is_crack(a));
+  });
 }
 
 }  // namespace kerf

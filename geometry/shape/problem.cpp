@@ -329,23 +329,31 @@ Problem cut_sides(const Shape& shape, const Drawing& drawing) {
   return {};
 }
 
-/// Cracks that meet at less than a degree, or touch without crossing.
+/// Cracks that meet each other, or the border of a region, at less than a degree.
 Problem wedges(const Shape& shape, const Drawing& drawing) {
   struct Arm {
     Index corner, crack;
+    const Strand* strand;
     Vec2 direction;
   };
   std::vector<Arm> arms;
   for (const Strand& strand : drawing.strands) {
-    if (strand.crack == none) continue;
-    arms.push_back({strand.from, strand.crack, velocity(drawing, strand, 0)});
-    arms.push_back({strand.to, strand.crack, -velocity(drawing, strand, 1)});
+    if (strand.crack == none && !is_border(strand)) continue;
+    arms.push_back({strand.from, strand.crack, &strand, velocity(drawing, strand, 0)});
+    arms.push_back({strand.to, strand.crack, &strand, -velocity(drawing, strand, 1)});
   }
   std::stable_sort(arms.begin(), arms.end(), [](const Arm& a, const Arm& b) { return a.corner < b.corner; });
   for (auto a = arms.begin(); a != arms.end(); ++a)
     for (auto b = a + 1; b != arms.end() && b->corner == a->corner; ++b) {
       const double angle = std::abs(std::atan2(cross(a->direction, b->direction), a->direction.dot(b->direction)));
-      if (a->crack == b->crack || angle >= pi / 180) continue;
+      if (a->crack == b->crack || angle >= pi / 180) continue;  // borders among themselves are as they are drawn
+      if (a->crack == none || b->crack == none) {
+        const Arm &crack = a->crack == none ? *b : *a, &border = a->crack == none ? *a : *b;
+        if (crack.strand->beyond) continue;
+        return fmt::format("{} meets {} at {} at an angle of {:.2g} degrees; at least 1 is needed",
+                           name(shape, *crack.strand), name(shape, *border.strand),
+                           text(drawing.corners[std::size_t(a->corner)]), angle * 180 / pi);
+      }
       const auto [one, other] = std::minmax(a->crack, b->crack);
       return fmt::format("cracks '{}' and '{}' meet at {} at an angle of {:.2g} degrees; at least 1 is needed",
                          shape.cracks[std::size_t(one)].name, shape.cracks[std::size_t(other)].name,
@@ -375,7 +383,7 @@ std::optional<std::string> find_problem(const Shape& shape) {
   const Pieces pieces = split_evenly(drawing);
   const Gaps gaps{touch_tolerance * size, join_tolerance * size};
   if (Problem problem = find_crossing(shape, drawing, pieces, gaps, true)) return problem;
-  if (std::ranges::find(along, true) != along.end())
+  if (std::ranges::any_of(drawing.strands, [](const Strand& s) { return s.beyond.has_value(); }))
     if (Problem problem = find_wrong_interface(shape, along)) return problem;
   if (Problem problem = cut_sides(shape, drawing)) return problem;
   if (Problem problem = revisited(shape, drawing)) return problem;

@@ -23,6 +23,8 @@ struct TipIntensity {
   // With Coulomb's friction spread_K_II holds, besides, what false pressure beside the tip may have done to all rings,
   // and the difference between J and G [theory: F.8]: an estimate of the error.
   double spread = 0, spread_K_I = 0, spread_K_II = 0, spread_T = 0;
+  bool on_border = false;  // between materials, where stresses grow like another power of the distance: no values
+  Index region = none;     // in which it lies; of crack_tips
 };
 
 /// Tips of all cracks, in the order of the cracks, start before end; ends on the boundary, on a hole or on another
@@ -34,8 +36,8 @@ struct TipIntensity {
 /// spread_K_I.
 ///
 /// Three rings with outer radii 1, 4/5 and 3/5 of R; K, T, G, J and radius are those of the middle one. R is 9/10 of
-/// the distance to the nearest boundary, hole, other crack, kink or other end of the same crack, and on a curved crack
-/// to where it has turned by half a radian. A crack is curved where its edges are chords of a smooth curve: then the
+/// the distance to the nearest boundary, hole, other crack, other material, kink or other end of the same crack, and on
+/// a curved crack to where it has turned by half a radian. A crack is curved where its edges are chords of a smooth curve: then the
 /// frame is that of the curve. Where R spans fewer than 3/2 elements the values are NaN and radius 0. The mesh should
 /// have five or more elements along R; the spreads tell: beyond 0.01 do not trust the value.
 std::vector<TipIntensity> crack_tips(const Model& model, const Field& state);

@@ -58,12 +58,20 @@ struct CrackEnd {
   auto operator<=>(const CrackEnd&) const = default;
 };
 
+/// What counts instead for tips in a region of the shape.
+struct RegionLaw {
+  Index region = none;
+  std::optional<double> toughness = {};
+  std::optional<GrowthLaw> law = {};
+};
+
 struct GrowRequest {
   std::optional<double> toughness = {};  // K_Ic: quasi-static growth
   /// G_c in the absolute direction phi [radians from x] over that of K_Ic, positive; none: 1.
   std::function<double(double phi)> anisotropy = {};
   double toughness_shear = infinity;     // K_IIc: of growth in the crack's own plane where no kink opens at K_Ic
   std::optional<GrowthLaw> law = {};     // else by fatigue
+  std::vector<RegionLaw> regions = {};   // of the same kind
   Criterion criterion = Criterion::LocalSymmetry;
   std::vector<CrackEnd> tips = {};    // that may grow; none: all
   double max = 1, min = 0;            // of a cycle: factors of the loads
@@ -100,6 +108,7 @@ struct GrownTip {
   std::string name;  // "c:end"
   Vec2 at = Vec2::Zero();
   double a = 0;                                    // length of the crack
+  Index region = none;                             // in which it lies
   double K_I = nan, K_II = nan, T = nan, G = nan;  // at the largest load
   double K_max = nan;                              // k_1 of the kink that opens most, at the largest load
   double K_I_min = nan, K_II_min = nan;            // at the least one
@@ -139,7 +148,8 @@ struct Grown {
   // of the latter by the points alone is in `cycles_error`, too.
   double path_error = nan, cycles_error = nan;
   // What the interaction integrals say that growth has released, int G da over all tips, less the loss of potential
-  // energy, relative to that: two ways to the same number. Not known with friction, or where a tip has ended.
+  // energy, relative to that: two ways to the same number. Not known with friction, or where a tip has ended or has
+  // crossed the border of a region, at which G jumps.
   double energy_balance = nan;
   std::optional<PathBounds> bounds = {};
   /// Quasi-static: the first step at which the crack grows on under a falling load, and that at which it does so though

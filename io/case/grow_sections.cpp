@@ -72,6 +72,28 @@ void read_law(const Value& law, growth::GrowRequest& to) {
   if (const auto formula = find(law, "anisotropy")) to.anisotropy = of_direction(*formula);
 }
 
+growth::RegionLaw read_region(const Value& table, const Case& c) {
+  allow_only(table);
+  const Value name = need(table, "name"), law = need(table, "law");
+  std::vector<std::string> known;
+  for (const Loop& region : c.shape.regions) known.push_back(region.name);
+  const auto region = std::ranges::find(known, text(name));
+  if (region == known.end())
+    fail(name.node->position, fmt::format("{}: there is no [[region]] {}; {}", name.name, quote(text(name)),
+                                          known.empty() ? "the body has none" : suggest(text(name), known)));
+  growth::RegionLaw own{.region = static_cast<Index>(region - known.begin())};
+  const std::string kind = choice(need(law, "kind"));
+  allow_only(law, kind);
+  const bool of_fatigue = kind != "quasi-static";
+  if (of_fatigue != c.grow->law.has_value())
+    fail(law.node->position, law.name + ": either all laws are \"quasi-static\", or none is");
+  if (of_fatigue)
+    own.law = fatigue_law(law, kind);
+  else
+    own.toughness = in_range(need(law, "K_c"));
+  return own;
+}
+
 growth::CrackEnd read_end(const Value& item, const Case& c) {
   const std::string word = text(item);
   const std::size_t colon = word.rfind(':');
@@ -106,6 +128,11 @@ void read_grow(const Value& document, const std::filesystem::path& folder, Case&
   allow_only(*table);
   growth::GrowRequest& to = c.grow.emplace();
   read_law(need(*table, "law"), to);
+  for (const Value& region : find_tables(*table, "region")) {
+    to.regions.push_back(read_region(region, c));
+    if (std::ranges::count(to.regions, to.regions.back().region, &growth::RegionLaw::region) > 1)
+      fail(region.node->position, region.name + ": this region has a law already");
+  }
   take(*table, "criterion", to.criterion);
   if (const auto tips = find(*table, "tips"))
     for (const Value& item : items(*tips, 1)) to.tips.push_back(read_end(item, c));

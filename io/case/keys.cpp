@@ -137,9 +137,8 @@ constexpr Key rows[] = {
      PointList,
      {.one_of = true},
      "A polyline inside the body. It may end on the outline, on a hole or on another crack (within 1e-6 of the body's "
-     "size: a branch), and cross other cracks at 1 degree or more. Along sides of a region, from corner to corner, it "
-     "is "
-     "an interface.",
+     "size: a branch), and cross other cracks and the borders of regions at 1 degree or more. Ends on a border have no "
+     "K. Along sides of a region, from corner to corner, it is an interface.",
      "[[-1, 0], [1, 0]]"},
     {"crack[].arc",
      Table,
@@ -237,9 +236,9 @@ constexpr Key rows[] = {
     {"region[]",
      Tables,
      {.bare = true},
-     "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes, cracks or "
-     "each other, unless the case has an [[interface]]. They may lie around holes and cracks, and inside one another: "
-     "the inner one counts. A region without a form is a physical surface of domain.file, where it may touch "
+     "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes or each "
+     "other, unless the case has an [[interface]]. They may lie around holes and cracks, be crossed by cracks, and lie "
+     "inside one another: the inner one counts. A region without a form is a physical surface of domain.file, where it may touch "
      "anything."},
     {"region[].name", Name, {.required = true}, "Named in messages and by optimize.frozen.", "\"stiff\""},
     {"region[].circle",
@@ -662,6 +661,17 @@ constexpr Key rows[] = {
      "0"},
     {"grow.law.C_plus", Number, {.range = not_negative, .with = "nasgro"}, "Threshold at R > 0.", "1", "0"},
     {"grow.law.C_minus", Number, {.range = not_negative, .with = "nasgro"}, "Threshold at R < 0.", "0.1", "0"},
+    {"grow.region[]",
+     Tables,
+     {},
+     "Another law for tips in a region. A crack crosses the borders of regions; on a border there is no K, so that a "
+     "step is made shorter or longer and ends before it or behind it."},
+    {"grow.region[].name", Name, {.required = true}, "Of a [[region]].", "\"weld\""},
+    {"grow.region[].law",
+     Table,
+     {.required = true, .like = "grow.law"},
+     "As grow.law, quasi-static if that is.",
+     "{ kind = \"quasi-static\", K_c = 20 }"},
     {"grow.criterion",
      Word,
      {.words = growth::criterion_words},

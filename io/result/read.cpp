@@ -170,6 +170,7 @@ CrackResult crack(const Json& from) {
     if (t.contains("margin"))
       tip.margin = {read_number(t["margin"], "K_I"), read_number(t["margin"], "K_II"), read_number(t["margin"], "G"),
                     read_number(t["margin"], "T")};
+    if (t.contains("note")) tip.note = text(t, "note");
     out.tips.push_back(tip);
   }
   out.fluid_pressure = maybe(from, "fluid_pressure");

@@ -185,6 +185,7 @@ Json crack_section(const CrackResult& crack) {
     if (const auto& m = tip.margin)
       tips.back()["margin"] = {
           {"K_I", number(m->K_I)}, {"K_II", number(m->K_II)}, {"G", number(m->G)}, {"T", number(m->T)}};
+    if (!tip.note.empty()) tips.back()["note"] = tip.note;
   }
   Json out = {{"name", crack.name},
               {"length", number(crack.length)},

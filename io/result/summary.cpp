@@ -164,8 +164,9 @@ void add_crack(std::string& out, const CrackResult& crack, const Units& u) {
   for (const auto& t : crack.transitions)
     add(out, "", {clean_text(t.from) + " -> " + clean_text(t.to) + ' ' + at(t.at)});
   for (const TipResult& tip : crack.tips) {
-    if (!tip.K_I && !tip.K_II && !tip.G) continue;
+    if (!tip.K_I && !tip.K_II && !tip.G && tip.note.empty()) continue;
     std::vector<std::string> items = {"tip " + at(tip.at)};
+    if (!tip.note.empty()) items.push_back(tip.note);
     const auto margin = [&](double TipResult::Margin::*of) -> std::optional<double> {
       return tip.margin ? std::optional((*tip.margin).*of) : std::nullopt;
     };

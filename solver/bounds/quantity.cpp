@@ -410,6 +410,7 @@ TipDuals tip_duals(const Model& m, const Field& u, const TipIntensity& of) {
   const auto found =
       std::ranges::find_if(tips, [&](const CrackTip& t) { return t.crack == of.crack && t.at_start == of.at_start; });
   if (found == tips.end()) return {"no bounds: that end of the crack is no tip"};
+  if (found->on_border) return {"no bounds: the tip lies on the border of a region"};
   if (found->curved) {
     const std::optional<ArcTip> arc = is_plain(m.scene) ? arc_of_tip(m.mesh, *found, tips) : std::nullopt;
     if (!arc || has_pressure(m.scene.laws[of.crack]))

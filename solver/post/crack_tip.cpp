@@ -5,7 +5,8 @@
 //   x(t) = a + t (b - a) + t (1 - t) ((1 - t) p - t q),   p and q the slopes at the ends less the chord,
 // or the tangents of the arcs that the edges follow. It ends where it has turned by half a radian or comes back towards
 // the tip, so that it is a graph over the distance from the tip: angle_about needs the crack at every distance once.
-// The radius that is clear of everything else (`room`) bounds the rings of the integrals. docs/theory/fracture.md uses
+// The radius that is clear of everything else (`room`) bounds the rings of the integrals, which so lie in one material:
+// an integral over two has a term of the border between them. At a tip on a border there is no K. docs/theory/fracture.md uses
 // these frames.
 
 #include "solver/post/crack_tip.hpp"
@@ -162,9 +163,26 @@ CrackTip make_tip(const Mesh& mesh, Index crack, bool start, const Walk& w, int 
   return tip;
 }
 
+std::array<Index, 2> regions_beside(const Mesh& mesh, Index edge) {
+  return {region_of(mesh, mesh.sides[edge][0]), region_of(mesh, mesh.sides[edge][1])};
+}
+
+/// Whether two regions (none: what is outside all) are made of the same, without strains of their own.
+bool one_material(const Scene& scene, const std::array<Index, 2>& regions) {
+  std::array<Material, 2> m;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto place = static_cast<std::size_t>(regions[i] + 1);
+    if (place < scene.eigenstrain.size() && scene.eigenstrain[place]) return false;
+    m[i] = regions[i] == none ? scene.material : scene.regions[static_cast<std::size_t>(regions[i])];
+  }
+  return m[0].mu == m[1].mu && m[0].c == m[1].c && m[0].coupling == m[1].coupling && m[0].split == m[1].split &&
+         (isotropic(m[0]) || m[0].axis == m[1].axis);
+}
+
 /// `ends`: the edges of the boundary, of all cracks, and between materials.
 /// Not beyond the end of the smooth part: what follows is a kink, whose field is not that of the tip.
 double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) {
+  if (tip.on_border) return 0;
   std::vector<Index> own = tip.edges;
   std::sort(own.begin(), own.end());
   double least = tip.vertices.back().norm();
@@ -200,11 +218,15 @@ std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
 }
 
 /// Edges that end the material are listed once for all tips; each tip leaves out those of its own smooth part.
-std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
+std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions, const Scene* scene) {
   std::vector<Index> ends;
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
-    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none || is_interface(mesh, e))
-      ends.push_back(e);
+  std::vector<bool> on_border(mesh.points.size(), false);
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
+    const bool border = is_interface(mesh, e) && (!scene || !one_material(*scene, regions_beside(mesh, e)));
+    if (border)
+      for (const Index v : mesh.edges[e]) on_border[v] = true;
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none || border) ends.push_back(e);
+  }
   const std::vector<std::array<bool, 2>> inside = ends_inside(mesh);
   std::vector<CrackTip> tips;
   for (Index crack = 0; crack < static_cast<Index>(mesh.cracks.size()); ++crack) {
@@ -213,6 +235,7 @@ std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions) {
       if (!inside[crack][start ? 0 : 1]) continue;
       const Walk w = walk(mesh, crack, start);
       CrackTip tip = make_tip(mesh, crack, start, w, divisions);
+      tip.on_border = on_border[w.vertices.front()];
       tip.room = room(mesh, ends, tip);
       tips.push_back(std::move(tip));
     }

@@ -3,6 +3,7 @@
 // room.
 
 #include "kerf/mesh.hpp"
+#include "kerf/scene.hpp"
 
 namespace kerf {
 
@@ -17,6 +18,7 @@ struct CrackTip {
   std::vector<Vec2> slopes;       // of the curve through the vertices, per length of chord
   bool curved = false;            // straight otherwise, up to rounding
   bool follows = false;           // edges of the mesh do: Mesh::arc
+  bool on_border = false;         // between materials: its field is not that of a tip
   double room =
       0;  // to the nearest end of the material other than the smooth part: boundary, other cracks, kinks, regions
 };
@@ -25,8 +27,8 @@ struct CrackTip {
 /// crack is smooth as far as its curvature changes gradually from vertex to vertex (then its edges are taken for chords
 /// of a curve) and until it has turned by half a radian.
 /// `divisions`: as if every edge were divided into two so many times; CrackTip::edges are then those before, each as
-/// often as it has parts.
-std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions = 0);
+/// often as it has parts. `scene`: borders between regions of the same material end nothing.
+std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions = 0, const Scene* scene = nullptr);
 
 /// The curve over edge i of the smooth part, t in [0, 1] away from the tip: cubic, through the vertices.
 struct CurvePoint {

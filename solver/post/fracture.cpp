@@ -688,7 +688,7 @@ double unresolved_contact(const CrackTip& tip, const Face& first) {
 
 /// Of a tip without values.
 TipIntensity unknown(const CrackTip& tip) {
-  TipIntensity t{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
+  TipIntensity t{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at, .on_border = tip.on_border};
   t.K_I = t.K_II = t.T = t.G = t.J = nan;
   t.spread = t.spread_K_I = t.spread_K_II = t.spread_T = nan;
   return t;
@@ -774,7 +774,7 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
   const double stress = mean_stress(model, state);
   std::vector<CrackPoint> profile;
   Index crack = none;
-  for (const CrackTip& tip : find_tips(model.mesh)) {
+  for (const CrackTip& tip : find_tips(model.mesh, 0, &model.scene)) {
     if (tip.crack != crack) profile = crack_profile(model, state, tip.crack);
     crack = tip.crack;
     const std::vector<CrackEdge>& edges = model.mesh.cracks[crack];
@@ -784,6 +784,7 @@ std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
     beside.eigenstrain = state.eigenstrain;
     beside.at_tip = eigenstrain_at(model, state.eigenstrain, model.mesh.sides[tip.edges.front()][0], tip.at).col(0);
     tips.push_back(intensity(model, state, beside));
+    tips.back().region = region_of(model.mesh, model.mesh.sides[tip.edges.front()][0]);
   }
   return tips;
 }
@@ -849,7 +850,7 @@ Eigen::Vector4d eigenstrain_at_tip(const Model& part, const CrackTip& tip, const
 /// From the coarse mesh as if it were divided: the curve of the crack and the room of its tips are those of the fine
 /// mesh.
 SharedTips::SharedTips(const Mesh& mesh, const Scene& scene, int divisions) {
-  for (CrackTip& tip : find_tips(mesh, divisions)) {
+  for (CrackTip& tip : find_tips(mesh, divisions, &scene)) {
     Material material = material_at(mesh, scene, tip);
     std::vector<EdgeValues> fluid;
     if (!tip.curved) fluid = fluid_behind(tip, scene.laws[tip.crack]);

@@ -183,7 +183,8 @@ TEST(Interfaces, AreRefusedWhereRegionsAreWrong) {
   };
   const std::vector<Vec2> middle{{0, 0.5}, {2, 0.5}};
   EXPECT_EQ(problem({box("A", 0, 0.5, 2, 1)}, middle), "");
-  EXPECT_EQ(problem({box("A", 0, 0.5, 3, 1)}, middle).substr(0, 30), "region 'A' crosses the outline");
+  EXPECT_EQ(problem({box("A", 0, 0.5, 3, 1)}, middle).substr(0, 30), "crack 'i' overlaps region 'A' ");
+  EXPECT_EQ(problem({box("A", 0, 0.5, 3, 1)}, {{0.5, 0.2}, {1, 0.2}}).substr(0, 30), "region 'A' crosses the outline");
   const Loop bulge = polygon("A", {{0, 0.5}, {2, 0.5}, {3, 0.75}, {2, 1}, {0, 1}}, none);
   EXPECT_EQ(problem({bulge}, middle).substr(0, 28), "region 'A' leaves the body a");
   EXPECT_EQ(problem({box("A", 0, 0, 1, 1), box("B", 0.5, 0, 1.5, 1)}, {{1, 0}, {1, 1}}).substr(0, 28),
@@ -192,9 +193,27 @@ TEST(Interfaces, AreRefusedWhereRegionsAreWrong) {
             "regions 'A' and 'B' overlap;");
   EXPECT_EQ(problem({box("A", 0, 0, 1, 1)}, {{0, 0}, {1, 0}}),
             "crack 'i' runs along the outline at (0, 0); it must lie inside the body");
-  // Without an interface regions stay apart.
-  const Shape plain = rectangle({box("A", 0, 0.5, 2, 1)});
-  EXPECT_NE(find_problem(plain).value_or("").find("regions must lie inside the body"), std::string::npos);
+}
+
+// Bonded borders alone: layers, a region in the corner of the body, one around half of a hole.
+TEST(TouchingRegions, NeedNoInterface) {
+  const Mesh layers = triangulate(rectangle({box("A", 0, 0.5, 2, 1), box("B", 0, 0.25, 2, 0.5)}), {.size = 0.2});
+  EXPECT_NEAR(area_of(layers, 0), 1, 1e-12);
+  EXPECT_NEAR(area_of(layers, 1), 0.5, 1e-12);
+  EXPECT_NEAR(area_of(layers, none), 0.5, 1e-12);
+  EXPECT_NEAR(length_of_label(layers, 0), 6, 1e-12);
+  EXPECT_TRUE(regions_touch(rectangle({box("A", 0, 0.5, 2, 1)})));
+  EXPECT_FALSE(regions_touch(rectangle({box("A", 0.1, 0.5, 1.9, 0.9)})));
+  Shape holed = rectangle({box("A", 0, 0, 1, 1)});
+  holed.holes = {box("h", 1, 0.25, 1.25, 0.75)};
+  for (Side& side : holed.holes[0].sides) side.label = 0;
+  EXPECT_NEAR(area_of(triangulate(holed, {.size = 0.2}), 0), 1, 1e-12);
+  // A crack across the layers, from the outline.
+  Shape cracked = rectangle({box("A", 0, 0.5, 2, 1)});
+  cracked.cracks = {{"c", {{0.7, 0}, {0.9, 0.8}}, {}}};
+  const Mesh m = triangulate(cracked, {.size = 0.2});
+  EXPECT_NEAR(length_of(m, 0), path_length(cracked.cracks[0]), 1e-12);
+  EXPECT_NEAR(area_of(m, 0), 1, 1e-12);
 }
 
 }  // namespace

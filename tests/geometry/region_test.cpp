@@ -157,20 +157,13 @@ std::string problem(const Shape& shape) {
 }
 
 TEST(RegionProblems, AreNamed) {
-  const std::string apart = "; regions must lie inside the body, apart from everything else in it";
+  const std::string apart = "; regions must lie inside the body, apart from its sides and from each other";
   EXPECT_EQ(problem(square({circle("r", {3, 3}, 0.5, none)})), "region 'r' lies outside the outline, at (3.5, 3)");
   EXPECT_EQ(problem(square({circle("r", {1.8, 0}, 0.5, none)})).substr(0, 39),
             "region 'r' crosses the outline at (2, -");
   EXPECT_EQ(problem(square({circle("r", {1.5, 0}, 0.5, none)})), "region 'r' touches the outline at (2, 0)" + apart);
-  EXPECT_EQ(problem(square({polygon("r", {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, none)})).substr(0, 30),
+  EXPECT_EQ(problem(square({polygon("r", {{0, 0}, {2, 0}, {3, 1}, {0, 1}}, none)})).substr(0, 30),
             "region 'r' crosses the outline");
-  Shape cracked = square({polygon("stiff", {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, none)});
-  cracked.cracks = {{"c", {{0, 0}, {1.5, 0}}, {}}};
-  EXPECT_EQ(problem(cracked), "region 'stiff' crosses crack 'c' at (1, 0)" + apart);
-  cracked.cracks = {{"c", {{0, 0}, {1, 0}}, {}}};
-  EXPECT_EQ(problem(cracked), "region 'stiff' touches crack 'c' at (1, 0)" + apart);
-  cracked.cracks = {{"c", {{-0.5, 1}, {0.5, 1}}, {}}};
-  EXPECT_EQ(problem(cracked).substr(0, 34), "region 'stiff' overlaps crack 'c' ");
   Shape holed = square({circle("r", {0, 0}, 0.5, none)});
   holed.holes = {circle("h", {0, 0}, 1, 0)};
   EXPECT_EQ(problem(holed), "region 'r' lies inside hole 'h'; remove it");
