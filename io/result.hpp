@@ -87,6 +87,7 @@ struct TipResult {
 
 struct CrackResult {
   std::string name;
+  bool half = false;  // of a crack in a plane of symmetry: the side with this label and its mirror image
   double length = 0, max_opening = 0, max_pressure = 0;            // of contact
   double open_length = 0, closed_length = 0, biactive_length = 0;  // in the sums of "contact"
   double penetration = 0;                                          // of faces without a contact condition
@@ -107,6 +108,16 @@ struct ResultantResult {
   std::string on;
   Vec2 force = Vec2::Zero();
   double moment = 0;
+};
+
+/// A short edge drawn for a force or a support at a point.
+struct PatchResult {
+  std::string on;
+  Vec2 at = Vec2::Zero();
+  double width = 0;
+  Vec2 force = Vec2::Zero();  // of loads and supports
+  double mean_stress = 0;     // its amount over the length of the edge
+  std::optional<double> displacement_change;  // along the force, had it half the width; of isotropic bodies
 };
 
 /// Of backend = "petsc", and of a factor in single precision: one part.
@@ -130,6 +141,7 @@ struct StateResult {
   std::optional<Peak> von_mises = {}, displacement = {};
   std::vector<ResultantResult> loads, reactions;  // per label
   std::optional<ResultantResult> body, balance;   // of the body force; the sum of all
+  std::vector<PatchResult> patches = {};
   std::optional<double> thickness;                // all that is per thickness, times it, is that of the plate
   std::string load_case = {};                     // whose state it is, where the case has several
 };

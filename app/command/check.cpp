@@ -34,7 +34,9 @@ std::string at(const Vec2& p) {
 }
 
 /// "traction", "roller in y + traction", ...: what the scene says about a label.
-std::string condition(const Scene& scene, Index label) {
+std::string condition(const Case& c, Index label) {
+  const Scene& scene = c.scene;
+  if (std::ranges::find(c.planes, label) != c.planes.end()) return "symmetry";
   std::vector<std::string> parts;
   for (const Support& s : scene.supports) {
     if (s.label != label) continue;
@@ -185,9 +187,12 @@ void print_cracks(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
     }
     out.print("\n");
   }
+  for (const Vec2& tip : c.half_tips)
+    out.print("tip       {}, of a crack in a plane of symmetry, of which one face is drawn\n", at(tip));
 }
 
-void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& scene, const Mesh& mesh) {
+void print_labels(Lines& out, Notes& notes, const Case& c, const Mesh& mesh) {
+  const Shape& shape = c.shape;
   out.print("\n{:<20} {:>6} {:>12}  {}\n", "label", "edges", "length", "condition");
   std::vector<std::size_t> count(shape.labels.size(), 0);
   std::vector<double> total(shape.labels.size(), 0.0);
@@ -198,7 +203,7 @@ void print_labels(Lines& out, Notes& notes, const Shape& shape, const Scene& sce
   }
   for (std::size_t label = 0; label < count.size(); ++label) {
     out.print("{:<20} {:>6} {:>12.6g}  {}\n", shape.labels[label], count[label], total[label],
-              condition(scene, static_cast<Index>(label)));
+              condition(c, static_cast<Index>(label)));
     if (count[label] == 0) notes.push_back(fmt::format("label \"{}\" has no edge in the mesh", shape.labels[label]));
   }
 }
@@ -309,7 +314,7 @@ std::string check(const Case& c, const std::filesystem::path& folder) {
   print_regions(out, c, mesh, curvatures);
   print_mesh(out, mesh);
   print_cracks(out, notes, c, mesh);
-  print_labels(out, notes, c.shape, c.scene, mesh);
+  print_labels(out, notes, c, mesh);
   Names names;
   for (std::size_t k = 0; k < c.shape.labels.size(); ++k) names.push_back({static_cast<Index>(k), c.shape.labels[k]});
   print_resultants(out, notes, c, mesh, curvatures, names);

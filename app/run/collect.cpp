@@ -12,6 +12,7 @@
 #include "io/validation.hpp"
 #include "kerf/case_file.hpp"
 #include "kerf/fracture.hpp"
+#include "solver/half_cracks.hpp"
 #include "solver/history.hpp"
 #include "solver/recovery.hpp"
 #include "solver/stress.hpp"
@@ -148,7 +149,44 @@ TipResult tip_result(const TipIntensity& t) {
   return tip;
 }
 
-std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool with_tips) {
+namespace {
+
+/// The label, with a number where that is taken.
+std::string unused_name(const std::string& label, const std::vector<CrackResult>& others) {
+  std::string name = label;
+  for (char& c : name)
+    if (c == ':') c = '_';  // of a hole; names are those of files, too
+  const std::string first = name;
+  for (int k = 2; std::ranges::find(others, name, &CrackResult::name) != others.end(); ++k)
+    name = fmt::format("{}.{}", first, k);
+  return name;
+}
+
+void add_half_cracks(const Model& model, const State& state, const Shape& shape, std::span<const Index> planes,
+                     bool with_tips, std::vector<CrackResult>& results) {
+  const std::vector<HalfCrack> halves = half_cracks(model.mesh, model.scene, planes);
+  std::vector<TipIntensity> tips;
+  if (with_tips) tips = half_crack_tips(model, state, halves);
+  for (std::size_t k = 0; k < halves.size(); ++k) {
+    const HalfCrack& half = halves[k];
+    const Index label = half.label[half.tips[0] ? 0 : 1];
+    CrackLaw law{.kind = CrackLaw::Kind::Open};
+    const std::vector<CrackPoint> profile = half_profile(model, state, half);
+    if (std::ranges::any_of(profile, [](const CrackPoint& p) { return p.fluid_pressure != 0; }))
+      law.pressure = [](const Vec2&, const Vec2&) { return Vec2(0, 0); };  // it has one: that of the profile
+    CrackResult r = crack_result(unused_name(shape.labels[static_cast<std::size_t>(label)], results), law, profile, {},
+                                 {half.tips, profile.size() / half.edges.size()});
+    r.half = true;
+    for (const TipIntensity& t : tips)
+      if (t.crack == static_cast<Index>(k)) r.tips.push_back(tip_result(t));
+    results.push_back(std::move(r));
+  }
+}
+
+}  // namespace
+
+std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape,
+                                       std::span<const Index> planes, bool with_tips) {
   std::vector<CrackResult> results;
   std::vector<TipIntensity> tips;
   if (with_tips) tips = crack_tips(model, state);
@@ -162,6 +200,7 @@ std::vector<CrackResult> crack_results(const Model& model, const State& state, c
       if (t.crack == c) r.tips.push_back(tip_result(t));
     results.push_back(std::move(r));
   }
+  add_half_cracks(model, state, shape, planes, with_tips, results);
   return results;
 }
 
@@ -205,7 +244,7 @@ std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks
                                           const State& state) {
   if (std::ranges::none_of(cracks, [](const CrackResult& crack) { return turns_of(crack) >= often; })) return {};
   ContactMeasures of{.stress = mean_stress(model, state)};
-  for (Index c = 0; c < static_cast<Index>(cracks.size()); ++c) {
+  for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
     of.profiles.push_back(crack_profile(model, state, c));
     of.modulus.push_back(modulus_beside(model, c));
   }

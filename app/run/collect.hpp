@@ -11,6 +11,7 @@
 #include "solver/effort.hpp"
 
 #include <array>
+#include <span>
 
 namespace kerf {
 
@@ -40,8 +41,10 @@ struct CrackEnds {
 CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& of,
                          const std::vector<double>& slip, const CrackEnds& ends);
 TipResult tip_result(const TipIntensity& tip);
-/// `tips`: with K, G and T at the tips.
-std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape, bool tips = true);
+/// `tips`: with K, G and T at the tips. Behind the cracks of the shape come those in planes of symmetry (Case::planes),
+/// with the labels of their faces for names.
+std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape,
+                                       std::span<const Index> planes, bool tips = true);
 
 /// What contact on cracks is measured by.
 struct ContactMeasures {

@@ -39,7 +39,7 @@ StepResult result_of(const LoadStep& step, const SolvedStep& now, const SolvedSt
   const SlipLengths lengths = slip_lengths(now.model, now.state);
   r.stick_length = lengths.stick;
   r.slip_length = lengths.slip;
-  for (const CrackResult& crack : crack_results(now.model, now.state, c.shape, c.output.tips)) {
+  for (const CrackResult& crack : crack_results(now.model, now.state, c.shape, c.planes, c.output.tips)) {
     r.open_length += crack.open_length;
     r.closed_length += crack.closed_length;
     for (const TipResult& tip : crack.tips) r.tips.push_back({crack.name, tip.at, tip.K_I, tip.K_II});

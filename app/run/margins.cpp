@@ -9,6 +9,7 @@
 
 #include "kerf/fracture.hpp"
 #include "solver/error_bars.hpp"
+#include "solver/half_cracks.hpp"
 #include "solver/largest_stress.hpp"
 #include "solver/system.hpp"
 
@@ -40,11 +41,14 @@ PlacedValue* regular_part(Peak& peak) {
 }
 
 /// From what the better solution has at the same tips, in the same order.
-void add_to_tips(const Model& better, const State& state, std::vector<CrackResult>& cracks) {
+void add_to_tips(const Model& better, const State& state, std::span<const Index> planes,
+                 std::vector<CrackResult>& cracks) {
   const bool any = std::ranges::any_of(cracks, [](const CrackResult& crack) { return !crack.tips.empty(); });
   if (!any) return;
   const auto margin = [](double x, double y, double rings) { return std::max(singular * std::abs(x - y), rings); };
-  const std::vector<TipIntensity> finer = crack_tips(better, state);
+  std::vector<TipIntensity> finer = crack_tips(better, state);
+  const std::vector<HalfCrack> halves = half_cracks(better.mesh, better.scene, planes);
+  for (const TipIntensity& tip : half_crack_tips(better, state, halves)) finer.push_back(tip);
   std::size_t i = 0;
   for (CrackResult& crack : cracks)
     for (TipResult& tip : crack.tips) {
@@ -83,7 +87,7 @@ void set_margins(const Case& c, const Adapted& adapted, const PlotData& data, co
     const double difference = (u - data.values.displacement).colwise().norm().maxCoeff();
     result.displacement->largest.margin = safety * difference;
   }
-  add_to_tips(better, state, cracks);
+  add_to_tips(better, state, c.planes, cracks);
 }
 
 }  // namespace

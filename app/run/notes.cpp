@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace kerf {
@@ -107,7 +108,15 @@ namespace {
 std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) {
   std::vector<std::string> notes;
   for (const CrackResult& crack : cracks)
-    if (crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0)
+    if (!(crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0))
+      continue;
+    else if (crack.half)
+      notes.push_back(
+          fmt::format("\"{}\", the face of a crack in a plane of symmetry, passes through that plane by up to {:.3g}: the "
+                      "crack closes there, and K and G are those of faces that pass through each other; model the whole "
+                      "body with a [[crack]], whose faces may touch",
+                      crack.name, crack.penetration / 2));
+    else
       notes.push_back(
           fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
                       "contact = \"unilateral\" prevents it",
@@ -133,6 +142,53 @@ std::string note_on_drawing(const Case& c, const Model& model) {
 
 }  // namespace
 
+namespace {
+
+/// What stands at each edge that was drawn around a point. Half the width under the same force moves the middle by
+/// 2 |F| ln 2/(pi E') more: the displacement of a half plane under a strip grows like -2 F/(pi E') ln of its width
+/// [Johnson 1985].
+std::vector<PatchResult> patch_results(const Case& c, const Model& body, const StateResult& state) {
+  std::vector<PatchResult> all;
+  for (const Patch& patch : c.patches) {
+    PatchResult p{.on = c.shape.labels[static_cast<std::size_t>(patch.label)], .at = patch.at, .width = patch.width};
+    for (const auto* some : {&state.loads, &state.reactions})
+      for (const ResultantResult& r : *some)
+        if (r.on == p.on) p.force += r.force;
+    const double share = patch.at_plane ? 2 : 1;  // of the force on the whole edge
+    p.mean_stress = share * p.force.norm() / patch.width;
+    const auto edge = std::ranges::find(body.mesh.label, patch.label);
+    if (edge != body.mesh.label.end()) {
+      const auto& [left, right] = body.mesh.sides[static_cast<std::size_t>(edge - body.mesh.label.begin())];
+      if (const Material& m = material_of(body.mesh, body.scene, left != none ? left : right); isotropic(m))
+        p.displacement_change = share * p.force.norm() * 2 * std::log(2.0) / (pi * plane_modulus(m));
+    }
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+std::vector<std::string> notes_on_patches(const Case& c, const StateResult& s) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < s.patches.size(); ++i) {
+    const PatchResult& p = s.patches[i];
+    if (p.force.isZero(0)) continue;
+    std::string note = fmt::format(
+        "\"{}\" at ({:.6g}, {:.6g}): the force ({:.4g}, {:.4g}) acts on an edge {:.4g} wide{}{}, {:.4g} per length", p.on,
+        p.at.x(), p.at.y(), p.force.x(), p.force.y(), p.width,
+        c.patches[i].given ? "" : ", 1/1000 of the body's diagonal by default",
+        c.patches[i].at_plane ? ", of which a plane of symmetry leaves one half" : "", p.mean_stress);
+    if (p.displacement_change) {
+      note += fmt::format("; half that width would move it by {:.3g} more", *p.displacement_change);
+      if (s.compliance > 0)
+        note += fmt::format(" ({:.2g} % of the compliance)", 100 * *p.displacement_change * p.force.norm() / s.compliance);
+    }
+    notes.push_back(std::move(note));
+  }
+  return notes;
+}
+
+}  // namespace
+
 void add_notes(const Case& c, const StateFacts& facts, Result& r) {
   std::vector<std::string>& notes = r.state->notes;
   const auto add = [&notes](std::string note) {
@@ -143,6 +199,8 @@ void add_notes(const Case& c, const StateFacts& facts, Result& r) {
   };
   const Model& body = facts.body;
   add_all(notes_on_data(body.mesh, body.scene, body.inner->data, c.shape));
+  r.state->patches = patch_results(c, body, *r.state);
+  add_all(notes_on_patches(c, *r.state));
   add_all(notes_on_faces(r.cracks));
   add(note_on_drawing(c, body));
   if (facts.in_single)

@@ -298,7 +298,7 @@ SolvedState solve_state(Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body_as_it_can(c, journal, r);
   if (stop_requested()) {  // between rounds: the last one is there
     write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
-                crack_results(adapted.model, adapted.state, c.shape), journal);
+                crack_results(adapted.model, adapted.state, c.shape, c.planes), journal);
     throw Stopped{};
   }
   journal.begin("recover");

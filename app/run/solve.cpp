@@ -122,7 +122,7 @@ StateSection describe_state(const Adapted& adapted, const Case& c, Journal& jour
     add_energy_bounds(bounds, s.state);
     journal.seconds.energy_bounds += journal.lap();
   }
-  s.cracks = crack_results(model, state, shape, c.output.tips);
+  s.cracks = crack_results(model, state, shape, c.planes, c.output.tips);
   (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
   s.state.of_polygon = is_of_polygon(shape, model.mesh);
   add_resultants(model, reactions(model, state), shape, s.state);

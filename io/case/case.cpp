@@ -263,12 +263,14 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   const ReadRegions regions = read_regions(document, file, c);
   const std::vector<Loop>& frozen = regions.frozen;
   read_interfaces(document, c);
+  read_patches(document, c);
   Definitions definitions = read_definitions(document, c);
   read_steps(document, regions.tables, definitions, c);
   read_eigenstrains(document, regions.tables, definitions, c);
   read_conditions(document, definitions, c);
   read_functional(document, origin.folder, definitions, c);
   read_mesh(document, c);
+  draw_half_tips(c);
   read_solver(document, c);
   read_synthetic(document, c);
   read_optimize(document, origin.folder, frozen, definitions, c);

@@ -22,7 +22,8 @@ namespace kerf {
 namespace {
 
 const std::vector<std::string> loads = {"traction", "pressure"};
-const std::vector<std::string> supports = {"displacement", "displacement_x", "displacement_y", "displacement_normal"};
+const std::vector<std::string> supports = {"displacement", "displacement_x", "displacement_y", "displacement_normal",
+                                           "symmetry"};
 
 /// What one label carries: per key where it stands and its one or two components.
 struct Condition {
@@ -33,7 +34,7 @@ using Conditions = std::map<std::string, Condition>;
 
 /// Whether a label cannot have both keys; x and y together are looked at in add().
 bool clash(const std::string& a, const std::string& b) {
-  if (a == b) return true;
+  if (a == b || a == "symmetry" || b == "symmetry") return true;
   const auto either = [&](const char* p, const char* q) { return (a == p && b == q) || (a == q && b == p); };
   const bool a_loads = a == loads[0] || a == loads[1], b_loads = b == loads[0] || b == loads[1];
   if (a_loads && b_loads) return true;
@@ -83,7 +84,9 @@ const Condition* get(const Conditions& on_label, const char* key) {
 }
 
 void add_support(const Conditions& on_label, Index label, std::vector<Support>& supports) {
-  if (const auto* full = get(on_label, "displacement")) {
+  if (get(on_label, "symmetry")) {
+    supports.push_back({label, true, true, false, vector_field(nothing(), nothing())});
+  } else if (const auto* full = get(on_label, "displacement")) {
     supports.push_back({label, false, true, true, vector_field(full->value[0], full->value[1])});
   } else if (const auto* normal = get(on_label, "displacement_normal")) {
     supports.push_back({label, true, true, false, vector_field(normal->value[0], nothing())});
@@ -108,16 +111,24 @@ std::vector<std::string> together(const std::vector<std::string>& a, const std::
   return all;
 }
 
-/// The entries of [[boundary]] tables that have one of the keys, added to what the labels carry.
+/// The entries of [[boundary]] tables that have one of the keys, added to what the labels carry. Edges that are drawn
+/// around points carry what the sides do that they are pieces of, then what is said of them.
 void add_conditions(const std::vector<Value>& tables, const std::vector<std::string>& keys, Definitions& definitions,
-                    const Shape& shape, std::vector<Conditions>& per_label) {
-  for (const Value& entry : tables) {
-    const std::vector<Index> labels = find_labels(need(entry, "on"), shape);
+                    const Case& c, std::vector<Conditions>& per_label) {
+  const Shape& shape = c.shape;
+  const auto add_table = [&](const Value& entry, const std::vector<Index>& labels) {
     bool anything = false;
     for (const std::string& key : keys) {
       const auto field = find(entry, key);
       if (!field) continue;
       anything = true;
+      if (key == "symmetry") {
+        if (!boolean(*field))
+          fail(field->node->position, fmt::format("{} = false says nothing; leave it out", field->name));
+        for (const Index label : labels)
+          add(per_label[label], key, {field->node->position, {nothing(), nothing()}}, shape.labels[label]);
+        continue;
+      }
       const bool is_vector = key == "traction" || key == "displacement";
       const Condition condition{field->node->position, is_vector ? formulas(*field, definitions)
                                                                  : std::array{formula(*field, definitions), Formula{}}};
@@ -128,7 +139,49 @@ void add_conditions(const std::vector<Value>& tables, const std::vector<std::str
            fmt::format("{} prescribes nothing; give {}", entry.name,
                        keys == loads ? fmt::format("{}", fmt::join(loads, " or "))
                                      : fmt::format("{} or {}", fmt::join(loads, ", "), fmt::join(supports, ", "))));
+  };
+  for (const Value& entry : tables)
+    if (!find(entry, "at")) add_table(entry, find_labels(need(entry, "on"), shape));
+  for (const Patch& patch : c.patches)
+    for (const auto& [key, condition] : per_label[patch.beside])
+      if (contains(keys, key)) add(per_label[patch.label], key, condition, shape.labels[patch.label]);
+  // Those of [[load]] come first among the patches.
+  std::size_t number = c.patches.size() - static_cast<std::size_t>(std::ranges::count_if(
+                                              tables, [](const Value& entry) { return find(entry, "at").has_value(); }));
+  for (const Value& entry : tables)
+    if (find(entry, "at")) add_table(entry, {c.patches[number++].label});
+}
+
+/// The force of a [[load]] spread over its edge, which supports must leave free to do work.
+void add_force(const Value& table, const Patch& patch, const Conditions& on_label, Definitions& definitions, Case& c) {
+  const auto field = find(table, "force");
+  const std::string name = quote(c.shape.labels[patch.label]);
+  if (!field)
+    fail(table.node->position,
+         fmt::format("missing key \"force\" in {}; add it, or give {} a traction in [[load_case.boundary]]", table.name, name));
+  const std::array<Formula, 2> force = formulas(*field, definitions, false);
+  for (const int d : {0, 1}) {
+    const double here = force[d].value(patch.at, Vec2::Zero()),
+                 there = force[d].value(patch.at + patch.width * Vec2(1, 1), Vec2::Zero());
+    if (here != there)
+      fail(field->node->position,
+           fmt::format("{}: a force is one number per component; for a load that varies over a side use [[boundary]] "
+                       "traction",
+                       field->name));
+    const char* held = get(on_label, "displacement")                     ? "displacement"
+                       : d == 0 && get(on_label, "displacement_x")       ? "displacement_x"
+                       : d == 1 && get(on_label, "displacement_y")       ? "displacement_y"
+                                                                         : nullptr;
+    if (held && here != 0)
+      fail(field->node->position,
+           fmt::format("{}: component {} must be 0, because {} is prescribed there (at {})", field->name,
+                       d == 0 ? "x" : "y", held, to_string(get(on_label, held)->position)));
   }
+  if (const Condition* normal = get(on_label, "displacement_normal"))
+    fail(field->node->position, fmt::format("{}: the side has a support along its normal (at {}); put the load elsewhere",
+                                            field->name, to_string(normal->position)));
+  c.scene.tractions.push_back({patch.label, scaled_load(vector_field(force[0], force[1]),
+                                                        1 / (patch.at_plane ? patch.width / 2 : patch.width))});
 }
 
 VectorField body_force(const Value& table, Definitions& definitions) {
@@ -222,13 +275,22 @@ void read_conditions(const Value& document, Definitions& definitions, Case& c) {
   std::vector<Conditions> per_label(c.shape.labels.size());
   const std::vector<Value> tables = find_tables(document, "boundary");
   const std::vector<std::string> keys = together(loads, supports);
-  for (const Value& entry : tables) allow_only(entry);
-  add_conditions(tables, keys, definitions, c.shape, per_label);
+  for (const Value& entry : tables) allow_only(entry, one_of(entry));
+  add_conditions(tables, keys, definitions, c, per_label);
+  c.planes.clear();
+  for (std::size_t label = 0; label < per_label.size(); ++label)
+    if (get(per_label[label], "symmetry")) c.planes.push_back(static_cast<Index>(label));
   for (std::size_t label = 0; label < per_label.size(); ++label) {
     add_support(per_label[label], static_cast<Index>(label), c.scene.supports);
     add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], c.scene.tractions);
   }
+  const std::vector<Value> forces = find_tables(document, "load");
+  if (find_tables(document, "load_case").empty())
+    for (std::size_t i = 0; i < forces.size(); ++i)
+      add_force(forces[i], c.patches[i], per_label[c.patches[i].label], definitions, c);
   if (const auto body = find_table(document, "body")) c.scene.body = body_force(*body, definitions);
+  for (const Index plane : c.planes)
+    require_symmetry(get(per_label[static_cast<std::size_t>(plane)], "symmetry")->position, plane, c.scene.body, c);
   read_pressures(document, definitions, c);
   read_gaps(document, definitions, c);
   read_gaps_of_interfaces(document, definitions, c);
@@ -245,6 +307,11 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
         fail(load->node->position, fmt::format("{}: with [[load_case]] all loads belong to load cases; move it to each "
                                                "load case in which it acts",
                                                load->name));
+  for (const Value& entry : find_tables(document, "load"))
+    if (const auto force = find(entry, "force"))
+      fail(force->node->position, fmt::format("{}: with [[load_case]] all loads belong to load cases; leave it out, and "
+                                              "give the edge a name and, in each load case in which it acts, a traction",
+                                              force->name));
   if (const auto body = find_table(document, "body"))
     fail(body->node->position,
          "[body]: with [[load_case]] all loads belong to load cases; write body = { force = ... } "
@@ -255,7 +322,7 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
                                               "pressures in cracks; use [[boundary]] loads instead of load cases",
                                               field->name));
   std::vector<Conditions> supported(c.shape.labels.size());
-  add_conditions(boundary, supports, definitions, c.shape, supported);
+  add_conditions(boundary, supports, definitions, c, supported);
   for (const Value& table : tables) {
     allow_only(table);
     LoadCase load_case;
@@ -270,10 +337,12 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
       allow_only(entry);
     }
     std::vector<Conditions> per_label = supported;
-    add_conditions(entries, loads, definitions, c.shape, per_label);
+    add_conditions(entries, loads, definitions, c, per_label);
     for (std::size_t label = 0; label < per_label.size(); ++label)
       add_load(per_label[label], static_cast<Index>(label), c.shape.labels[label], load_case.tractions);
     if (const auto body = find(table, "body")) load_case.body = body_force(*body, definitions);
+    for (const Index plane : c.planes)
+      require_symmetry(get(supported[static_cast<std::size_t>(plane)], "symmetry")->position, plane, load_case.body, c);
     if (load_case.tractions.empty() && !load_case.body)
       fail(table.node->position,
            fmt::format("{} {} has no load; add [[load_case.boundary]] with {}, or body = {{ force = ... }}", table.name,

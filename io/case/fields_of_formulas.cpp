@@ -192,4 +192,8 @@ BoundaryField without_component(const BoundaryField& field, int component) {
   });
 }
 
+BoundaryField scaled_load(const BoundaryField& field, double factor) {
+  return mapped(field, [factor](const Vec2&) { return Mat2(factor * Mat2::Identity()); });
+}
+
 }  // namespace kerf

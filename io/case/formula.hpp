@@ -28,6 +28,7 @@ VectorField body_field(const Formula& first, const Formula& second);
 BoundaryField pressure_field(const Formula& pressure);          // -p n
 BoundaryField without_normal_part(const BoundaryField& field);  // t - (t.n) n
 BoundaryField without_component(const BoundaryField& field, int component);
+BoundaryField scaled_load(const BoundaryField& field, double factor);
 
 /// Labels by what the file calls them: "top", "hole:h1", and "h1" for a hole when no side has that name.
 Index find_label(const Value& field, const Shape& shape);

@@ -57,7 +57,20 @@ void check_all_used(const Definitions& definitions);
 void read_eigenstrains(const Value& document, const std::vector<std::optional<Value>>& regions,
                        Definitions& definitions, Case& c);
 
-/// [[boundary]] and [body].
+/// [[load]], and [[boundary]] with `at`: their edges are drawn into the shape. After the shape, before everything that
+/// names labels.
+void read_patches(const Value& document, Case& c);
+/// The tables of Case::patches, in their order.
+std::vector<Value> tables_of_patches(const Value& document);
+
+/// Short sides beside the tips of cracks in planes of symmetry. After the conditions and [mesh].
+void draw_half_tips(Case& c);
+
+/// Fails where a label cannot be a plane of symmetry: curved sides, a body force across it, an eigenstrain with a shear,
+/// a material whose axes it does not halve. `blamed`: the key that asks for it.
+void require_symmetry(const Position& blamed, Index plane, const VectorField& body, const Case& c);
+
+/// [[boundary]], [[load]] and [body].
 void read_conditions(const Value& document, Definitions& definitions, Case& c);
 
 /// [[step]]: the scene at the end of every part of a step; leaves the definitions as the last step does. Before the

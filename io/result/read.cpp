@@ -123,6 +123,10 @@ StateResult state(const Json& from) {
     for (const Json& r : list(all, "reactions")) s.reactions.push_back(read_resultant(r));
     if (all.contains("body")) s.body = read_resultant(all["body"]);
     if (all.contains("balance")) s.balance = read_resultant(all["balance"]);
+    if (all.contains("patches"))
+      for (const Json& p : all["patches"])
+        s.patches.push_back({text(p, "on"), read_place(p.at("at")), read_number(p, "width"), read_place(p.at("force")),
+                             read_number(p, "mean_stress"), maybe(p, "displacement_change")});
   }
   if (from.contains("plate")) s.thickness = read_number(from["plate"], "thickness");
   s.load_case = text(from, "load_case");
@@ -173,6 +177,7 @@ CrackResult crack(const Json& from) {
     if (t.contains("note")) tip.note = text(t, "note");
     out.tips.push_back(tip);
   }
+  out.half = from.contains("half");
   out.fluid_pressure = maybe(from, "fluid_pressure");
   if (from.contains("pressure_peak")) out.pressure = peak(from["pressure_peak"]);
   return out;

@@ -79,6 +79,14 @@ Json resultants(const StateResult& state) {
   for (const ResultantResult& r : state.reactions) out["reactions"].push_back(resultant(r));
   if (state.body) out["body"] = resultant(*state.body);
   out["balance"] = resultant(*state.balance);
+  if (!state.patches.empty()) out["patches"] = Json::array();
+  for (const PatchResult& p : state.patches)
+    out["patches"].push_back({{"on", p.on},
+                              {"at", place_of(p.at)},
+                              {"width", number(p.width)},
+                              {"force", {number(p.force.x()), number(p.force.y())}},
+                              {"mean_stress", number(p.mean_stress)},
+                              {"displacement_change", number(p.displacement_change)}});
   return out;
 }
 
@@ -193,6 +201,7 @@ Json crack_section(const CrackResult& crack) {
               {"max_pressure", number(crack.max_pressure)},
               {"transitions", std::move(transitions)},
               {"tips", std::move(tips)}};
+  if (crack.half) out["half"] = true;
   if (crack.fluid_pressure) out["fluid_pressure"] = number(*crack.fluid_pressure);
   if (crack.pressure) out["pressure_peak"] = peak_section(*crack.pressure);
   return out;

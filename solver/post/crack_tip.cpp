@@ -179,7 +179,22 @@ bool one_material(const Scene& scene, const std::array<Index, 2>& regions) {
          (isotropic(m[0]) || m[0].axis == m[1].axis);
 }
 
-/// `ends`: the edges of the boundary, of all cracks, and between materials.
+/// Whether an edge lies between materials; without a scene, between regions.
+bool between_materials(const Mesh& mesh, const Scene* scene, Index edge) {
+  return is_interface(mesh, edge) && (!scene || !one_material(*scene, regions_beside(mesh, edge)));
+}
+
+/// The edges of the boundary, of all cracks, and between materials.
+std::vector<Index> ends_of_material(const Mesh& mesh, const Scene* scene) {
+  std::vector<Index> ends;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none ||
+        between_materials(mesh, scene, e))
+      ends.push_back(e);
+  return ends;
+}
+
+/// `ends`: of the material.
 /// Not beyond the end of the smooth part: what follows is a kink, whose field is not that of the tip.
 double room(const Mesh& mesh, std::span<const Index> ends, const CrackTip& tip) {
   if (tip.on_border) return 0;
@@ -219,14 +234,11 @@ std::vector<std::array<bool, 2>> ends_inside(const Mesh& mesh) {
 
 /// Edges that end the material are listed once for all tips; each tip leaves out those of its own smooth part.
 std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions, const Scene* scene) {
-  std::vector<Index> ends;
+  const std::vector<Index> ends = ends_of_material(mesh, scene);
   std::vector<bool> on_border(mesh.points.size(), false);
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e) {
-    const bool border = is_interface(mesh, e) && (!scene || !one_material(*scene, regions_beside(mesh, e)));
-    if (border)
+  for (const Index e : ends)
+    if (between_materials(mesh, scene, e))
       for (const Index v : mesh.edges[e]) on_border[v] = true;
-    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none || border) ends.push_back(e);
-  }
   const std::vector<std::array<bool, 2>> inside = ends_inside(mesh);
   std::vector<CrackTip> tips;
   for (Index crack = 0; crack < static_cast<Index>(mesh.cracks.size()); ++crack) {
@@ -241,6 +253,30 @@ std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions, const Scene* sc
     }
   }
   return tips;
+}
+
+/// The mirrored body has no end along the face and the ligament. Its other half ends nowhere nearer than this one.
+CrackTip half_tip(const Mesh& mesh, std::span<const Index> face, std::span<const Index> ahead) {
+  const auto shares = [&](Index e, Index v) { return mesh.edges[e][0] == v || mesh.edges[e][1] == v; };
+  Index vertex = mesh.edges[face.front()][shares(ahead.front(), mesh.edges[face.front()][0]) ? 0 : 1];
+  CrackTip tip{.at = mesh.points[vertex], .edges = {face.begin(), face.end()}, .vertices = {Vec2::Zero()}};
+  for (const Index e : face) {
+    vertex = mesh.edges[e][mesh.edges[e][0] == vertex ? 1 : 0];
+    tip.vertices.push_back(mesh.points[vertex] - tip.at);
+  }
+  const Vec2 back = tip.vertices.back().normalized();
+  tip.frame << -back.x(), back.y(), -back.y(), -back.x();
+  for (Vec2& v : tip.vertices) v = Vec2((tip.frame.transpose() * v).x(), 0);
+  tip.slopes = slopes(tip.vertices);
+  tip.half = tip.frame.col(1).dot(outward_normal(mesh, face.front())) < 0 ? 1 : -1;
+  std::vector<Index> line(face.begin(), face.end());
+  line.insert(line.end(), ahead.begin(), ahead.end());
+  std::ranges::sort(line);
+  tip.room = tip.vertices.back().norm();
+  for (const Index e : ends_of_material(mesh, nullptr))
+    if (!std::ranges::binary_search(line, e))
+      tip.room = std::min(tip.room, distance(tip.at, mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]]));
+  return tip;
 }
 
 /// p and q vanish on a straight edge; the derivative follows by the product rule.

@@ -5,6 +5,8 @@
 #include "kerf/mesh.hpp"
 #include "kerf/scene.hpp"
 
+#include <span>
+
 namespace kerf {
 
 /// Points and directions are in the frame of the tip: x extends the crack, y is x turned by +90 degrees.
@@ -21,6 +23,7 @@ struct CrackTip {
   bool on_border = false;         // between materials: its field is not that of a tip
   double room =
       0;  // to the nearest end of the material other than the smooth part: boundary, other cracks, kinks, regions
+  int half = 0;  // 1, -1: only what lies at y > 0, or y < 0, is there, and the edges are those of the boundary
 };
 
 /// Ends on the boundary, on a hole, or on another crack are no tips. In the order of the cracks, start before end. A
@@ -29,6 +32,10 @@ struct CrackTip {
 /// `divisions`: as if every edge were divided into two so many times; CrackTip::edges are then those before, each as
 /// often as it has parts. `scene`: borders between regions of the same material end nothing.
 std::vector<CrackTip> find_tips(const Mesh& mesh, int divisions = 0, const Scene* scene = nullptr);
+
+/// The tip of a straight crack of which the body on one side is there. `face`: edges of the boundary from the tip,
+/// `ahead`: those of the ligament.
+CrackTip half_tip(const Mesh& mesh, std::span<const Index> face, std::span<const Index> ahead);
 
 /// The curve over edge i of the smooth part, t in [0, 1] away from the tip: cubic, through the vertices.
 struct CurvePoint {

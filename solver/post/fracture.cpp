@@ -11,6 +11,7 @@
 // so that such states are exact.
 
 #include "kerf/fracture.hpp"
+#include "solver/half_cracks.hpp"
 #include "solver/recovery.hpp"
 #include "solver/shared_tips.hpp"
 
@@ -239,6 +240,15 @@ double mean_rotation(const Model& model, const Field& state, const Disc& disc, s
   return size > 0 ? sum / size : 0;
 }
 
+/// In the plane y = 0: of a crack in a plane of symmetry the half that is not there.
+StateSample mirrored(StateSample s) {
+  s.x.y() *= -1;
+  s.stress(0, 1) *= -1;
+  s.stress(1, 0) *= -1;
+  s.rotation *= -1;
+  return s;
+}
+
 /// From the middles of the triangles. The degree is that of the element's stresses; no more than two, which is a good
 /// part of any smooth state. Fields beside curved faces are turned from the chord to the curve: only a pressure does
 /// not mind.
@@ -257,6 +267,7 @@ PolynomialState smooth_part(const Model& model, const Field& state, const Disc& 
     if (weight == 0) continue;
     const Fields f = evaluate(model, state, t, x);
     samples.push_back({at, in_frame(disc, f.stress.col(0), 0).stress, f.rotation[0] - disc.rotation, weight});
+    if (disc.tip.half != 0) samples.push_back(mirrored(samples.back()));
   }
   const Vec2 force =
       model.scene.body ? Vec2(disc.tip.frame.transpose() * model.scene.body(disc.tip.at)) : Vec2(Vec2::Zero());
@@ -628,7 +639,8 @@ double largest_difference(const Row& values) {
 
 /// The material of a tip, and as seen in its frame.
 const Material& material_at(const Mesh& mesh, const Scene& scene, const CrackTip& tip) {
-  return material_of(mesh, scene, mesh.sides[tip.edges.front()][0]);
+  const auto& [left, right] = mesh.sides[tip.edges.front()];
+  return material_of(mesh, scene, left != none ? left : right);
 }
 Material in_frame_of(const CrackTip& tip, const Material& m) {
   return isotropic(m) ? m : seen_from(m, std::atan2(tip.frame(1, 0), tip.frame(0, 0)));
@@ -684,6 +696,50 @@ double unresolved_contact(const CrackTip& tip, const Face& first) {
   double largest = 0;
   for (const CrackPoint& p : first.points) largest = std::max(largest, -p.sigma_n);
   return 2 * std::sqrt(2 / pi * tip.vertices[1].norm()) * largest;
+}
+
+/// What acts on an edge of the boundary, in the frame of the tip.
+Vec2 load_on(const Model& model, const CrackTip& tip, Index edge, const Vec2& at) {
+  const Vec2 n = outward_normal(model.mesh, edge);
+  Vec2 load = Vec2::Zero();
+  for (const Traction& t : model.scene.tractions)
+    if (t.label == model.mesh.label[edge]) load += t.value(tip.at + tip.frame * at, n);
+  return tip.frame.transpose() * load;
+}
+
+/// int q P . n on the face of half a crack, n out of the body: - q (s n) . u'_,1, s less the polynomial state, and for J
+/// - q (s n) . u_,1, on the edges next to the tip, where the discrete fields are poor, continued from the next edge like
+/// r^-1/2.
+Integrals work_on_half_face(const Model& model, const Field& state, const Disc& disc) {
+  const CrackTip& tip = disc.tip;
+  const Vec2 n(0, -tip.half);
+  const std::size_t poor = std::min<std::size_t>(2, tip.edges.size() - 1);
+  Integrals sum = Integrals::Zero();
+  Row work = Row::Zero();
+  for (std::size_t edge = 0; edge < tip.edges.size(); ++edge) {
+    if (tip.vertices[edge].norm() >= disc.ring.front().outer) break;
+    const Index e = tip.edges[edge], inside = model.mesh.sides[e][model.mesh.sides[e][0] == none ? 1 : 0];
+    for (const Spot& p : spots(tip, edge)) {
+      const Vec2 load = load_on(model, tip, e, p.at), through = load - disc.smooth.at(p.at).stress * n;
+      const auto unit = auxiliary_fields(disc.material, p.at, tip.half * pi);
+      double beside = 0;
+      if (edge >= poor && !load.isZero(0)) {
+        const Vec2 x = tip.at + tip.frame * p.at;
+        const Fields f = evaluate(model, state, inside, x);
+        const Eigen::Vector4d free = eigenstrain_beyond_tip(model, disc, inside, x).col(0);
+        beside = load.dot(in_frame(disc, f.stress.col(0), f.rotation[0], free).gradient.col(0));
+      }
+      for (int k = 0; k < rings; ++k) {
+        const double weight = p.weight * cut_off(disc.ring[k], p.at.norm());
+        for (int i = 0; i < auxiliary; ++i) sum(i, k) -= weight * through.dot(unit[i].gradient.col(0));
+        work[k] -= weight * beside;
+      }
+    }
+    const double near = std::sqrt(tip.vertices[edge].norm()), far = std::sqrt(tip.vertices[edge + 1].norm());
+    if (edge == poor) work *= far / (far - near);
+  }
+  sum.row(auxiliary) += work;
+  return sum;
 }
 
 /// Of a tip without values.
@@ -766,7 +822,53 @@ TipIntensity intensity(const Model& model, const Field& state, const Beside& cra
   return result;
 }
 
+/// K_I, T, G and J of the whole body from the half that is there: both halves of the ring have the same share of each
+/// integral of symmetric fields, and none of the one with the fields of K_II; on the ligament P . n = 0.
+TipIntensity half_intensity(const Model& model, const Field& state, const CrackTip& tip, double stress) {
+  constexpr double safe = 0.9, fewest_elements = 1.5;
+  const double radius = safe * tip.room;
+  TipIntensity result{.crack = tip.crack, .at_start = tip.at_start, .at = tip.at};
+  Disc disc{tip, in_frame_of(tip, material_at(model.mesh, model.scene, tip)), place_rings(radius), 0, {}};
+  disc.eigenstrain = state.eigenstrain;
+  const Index e = tip.edges.front(), inside = model.mesh.sides[e][model.mesh.sides[e][0] == none ? 1 : 0];
+  disc.at_tip = eigenstrain_at(model, state.eigenstrain, inside, tip.at).col(0);
+  const bool all_over = model.scene.body || disc.eigenstrain != 0;
+  const Cover c = cover(model, tip.at, all_over ? 0 : disc.ring.back().inner, radius, {});
+  if (!(c.elements >= fewest_elements)) return unknown(tip);
+  disc.smooth = smooth_part(model, state, disc, c.triangles, {}, {});
+  Integrals I = 2 * (over_ring(model, state, disc, c.triangles, {}) + work_on_half_face(model, state, disc));
+  I.row(1).setZero();
+  const Vec2 load = load_on(model, tip, e, Vec2(-1e-9 * radius, 0)), at_tip = -tip.half * load;  // s_12, s_22
+  auto [K, T, G] = factors(disc, I, Integrals::Zero(), at_tip, -infinity);
+  result.K_I = K(0, middle);
+  result.T = T[middle];
+  result.G = G[middle];
+  result.J = I(auxiliary, middle);
+  result.radius = disc.ring[middle].outer;
+  const auto relative = [](double difference, double size) { return size > 0 ? difference / size : 0; };
+  const double size = std::max(std::abs(result.K_I), stress * std::sqrt(pi * result.radius));
+  result.spread = result.spread_K_I = relative(largest_difference(K.row(0)), size);
+  result.spread_T = relative(largest_difference(T), std::max(std::abs(result.T), stress));
+  return result;
+}
+
 }  // namespace
+
+std::vector<TipIntensity> half_crack_tips(const Model& model, const Field& state, std::span<const HalfCrack> cracks) {
+  std::vector<TipIntensity> tips;
+  const double stress = mean_stress(model, state);
+  for (std::size_t c = 0; c < cracks.size(); ++c)
+    for (const bool start : {true, false}) {
+      if (!cracks[c].tips[start ? 0 : 1]) continue;
+      std::vector<Index> face = cracks[c].edges;
+      if (!start) std::ranges::reverse(face);
+      CrackTip tip = half_tip(model.mesh, face, cracks[c].ahead[start ? 0 : 1]);
+      tip.crack = static_cast<Index>(c);
+      tip.at_start = start;
+      tips.push_back(half_intensity(model, state, tip, stress));
+    }
+  return tips;
+}
 
 /// Tips come in the order of the cracks, so that the profile of a crack is made once for both of its ends.
 std::vector<TipIntensity> crack_tips(const Model& model, const Field& state) {
