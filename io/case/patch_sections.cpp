@@ -24,11 +24,11 @@ constexpr double default_width = 1e-3;  // of the extent
 constexpr double hardly = 0.05;         // a turn that is no corner, as in the stress
 
 /// A straight side or an arc from its start (0) to its end (1).
-struct Stretch {
+struct SidePart {
   Vec2 a, b;
   std::optional<Arc> arc;
 
-  Stretch(const Loop& loop, std::size_t i)
+  SidePart(const Loop& loop, std::size_t i)
       : a(loop.sides[i].start), b(loop.sides[(i + 1) % loop.sides.size()].start), arc(loop.sides[i].arc) {}
   double turned(double t) const {
     return arc->from + t * (arc->to - arc->from);
@@ -81,7 +81,7 @@ OnRim nearest_on_rim(Shape& shape, const Vec2& x) {
   OnRim best;
   const auto look = [&](Loop& loop) {
     for (std::size_t i = 0; i < loop.sides.size(); ++i) {
-      const Stretch side(loop, i);
+      const SidePart side(loop, i);
       const double t = side.nearest(x), d = (side.point(t) - x).norm();
       if (d < best.distance) best = {&loop, i, t, d};
     }
@@ -109,9 +109,13 @@ class Drawer {
     const auto width = find(table, "width");
     if (width) patch.width = in_range(*width), patch.given = true;
     blamed_ = width ? *width : at;
+    constexpr double narrowest = 1e-7;
+    if (patch.width < narrowest * size)
+      refuse(fmt::format("an edge {:.3g} wide is lost in the rounding of a body of {:.3g}; make it wider", patch.width,
+                         size));
     const OnRim on = nearest_on_rim(c_.shape, patch.at);
     if (!(on.distance <= patch.width / 2)) {
-      const Vec2 nearest = Stretch(*on.loop, on.side).point(on.t);
+      const Vec2 nearest = SidePart(*on.loop, on.side).point(on.t);
       fail(at.node->position,
            fmt::format("{}: ({:.6g}, {:.6g}) lies {:.3g} from the boundary, farther than half the width; the nearest "
                        "point of it is ({:.9g}, {:.9g})",
@@ -139,14 +143,18 @@ class Drawer {
   /// A body that was written with its edges. The label beside is that of a neighbor.
   Patch drawn_already(const Value& at, const std::string& name, Index label, const OnRim& on, Patch patch) const {
     const auto& sides = on.loop->sides;
-    if (sides[on.side].label != label || std::ranges::find(c_.patches, label, &Patch::label) != c_.patches.end())
+    const auto refuse_taken = [&] {
       fail(at.node->position,
            fmt::format("{}: there is a label {} already; give this one another name", at.name, quote(name)));
+    };
+    if (sides[on.side].label != label || std::ranges::find(c_.patches, label, &Patch::label) != c_.patches.end())
+      refuse_taken();
     patch.label = label;
     double length = 0;
     for (std::size_t i = 0; i < sides.size(); ++i)
-      if (sides[i].label == label) length += Stretch(*on.loop, i).length(1);
+      if (sides[i].label == label) length += SidePart(*on.loop, i).length(1);
     patch.at_plane = length < 0.75 * patch.width;
+    if (std::abs(length - (patch.at_plane ? 0.5 : 1) * patch.width) > 1e-6 * patch.width) refuse_taken();
     for (std::size_t k = 1; k < sides.size(); ++k) {
       const Index other = sides[(on.side + k) % sides.size()].label;
       if (other == label || in_plane(other)) continue;
@@ -159,7 +167,7 @@ class Drawer {
   /// How far the boundary goes on without a corner from vertex `i` of the loop; the turn there.
   double turn_at(const Loop& loop, std::size_t vertex) const {
     const std::size_t before = (vertex + loop.sides.size() - 1) % loop.sides.size();
-    const Vec2 in = Stretch(loop, before).slope(1), out = Stretch(loop, vertex).slope(0);
+    const Vec2 in = SidePart(loop, before).slope(1), out = SidePart(loop, vertex).slope(0);
     return std::atan2(cross(in, out), in.dot(out));
   }
   bool is_plane_corner(const Loop& loop, std::size_t vertex, bool plane_behind) const {
@@ -178,28 +186,33 @@ class Drawer {
     const Loop& loop = *on.loop;
     const std::size_t n = loop.sides.size();
     std::size_t i = on.side;
-    double s = Stretch(loop, i).length(on.t), left = half;
+    double s = SidePart(loop, i).length(on.t), left = half;
     for (std::size_t steps = 0; steps <= n; ++steps) {
-      const double whole = Stretch(loop, i).length(1), room = forwards ? whole - s : s;
+      const double whole = SidePart(loop, i).length(1), room = forwards ? whole - s : s;
       check(loop, i, beside);
       if (left <= room * (1 + 1e-12)) return {i, forwards ? std::min(s + left, whole) : std::max(s - left, 0.0)};
       const std::size_t vertex = forwards ? (i + 1) % n : i;
-      const Vec2 corner = loop.sides[vertex].start;
-      if (std::abs(turn_at(loop, vertex)) > hardly)
-        refuse(fmt::format("an edge of width {:.6g} around ({:.6g}, {:.6g}) passes the corner at ({:.6g}, {:.6g}), {:.3g} "
-                           "away; make it no wider than {:.3g}, or move it by {:.3g} along the side",
-                           2 * half, Stretch(loop, on.side).point(on.t).x(), Stretch(loop, on.side).point(on.t).y(),
-                           corner.x(), corner.y(), half - left + room, 2 * (half - left + room), left - room));
+      if (std::abs(turn_at(loop, vertex)) > hardly) {
+        const Vec2 middle = SidePart(loop, on.side).point(on.t), corner = loop.sides[vertex].start;
+        const double to_corner = half - left + room;
+        if (to_corner < 1e-6 * half)
+          refuse(fmt::format("({:.6g}, {:.6g}) is a corner; move it by {:.3g}, half the width, along one of its sides",
+                             corner.x(), corner.y(), half));
+        refuse(fmt::format("an edge {:.6g} wide around ({:.6g}, {:.6g}) passes the corner at ({:.6g}, {:.6g}), {:.3g} away; "
+                           "make it no wider than {:.3g}, or move it by {:.3g} along the side",
+                           2 * half, middle.x(), middle.y(), corner.x(), corner.y(), to_corner, 2 * to_corner,
+                           left - room));
+      }
       left -= room;
       i = forwards ? vertex : (vertex + n - 1) % n;
-      s = forwards ? 0 : Stretch(loop, i).length(1);
+      s = forwards ? 0 : SidePart(loop, i).length(1);
     }
     refuse("the edge is longer than the boundary that it lies on");
   }
 
   void check(const Loop& loop, std::size_t i, Index beside) const {
     const Index label = loop.sides[i].label;
-    const Vec2 middle = Stretch(loop, i).point(0.5);
+    const Vec2 middle = SidePart(loop, i).point(0.5);
     for (const Patch& other : c_.patches)
       if (other.label == label)
         refuse(fmt::format("it overlaps with {} around ({:.6g}, {:.6g}), which is {:.3g} wide; make one of them narrower, "
@@ -231,7 +244,7 @@ class Drawer {
     patch.beside = loop.sides[on.side].label;
     patch.label = static_cast<Index>(c_.shape.labels.size());
     const double half = patch.width / 2;
-    const End here{on.side, Stretch(loop, on.side).length(on.t)};
+    const End here{on.side, SidePart(loop, on.side).length(on.t)};
     const End from = patch.at_plane && on.t == 0 ? here : walk(on, half, false, patch.beside),
               to = patch.at_plane && on.t == 1 ? here : walk(on, half, true, patch.beside);
     split(loop, from, to, patch.label);
@@ -245,9 +258,9 @@ class Drawer {
     const auto add = [&](std::size_t i, double t0, double t1, Index name) {
       if (!(t1 > t0)) return;
       Side piece = loop.sides[i];
-      piece.start = t0 == 0 ? piece.start : Stretch(loop, i).point(t0);
+      piece.start = t0 == 0 ? piece.start : SidePart(loop, i).point(t0);
       if (piece.arc) {
-        const Stretch all(loop, i);
+        const SidePart all(loop, i);
         piece.arc->from = all.turned(t0);
         piece.arc->to = all.turned(t1);
       }
@@ -259,7 +272,7 @@ class Drawer {
       return from.side <= to.side && !wraps ? from.side < i && i < to.side : i > from.side || i < to.side;
     };
     for (std::size_t i = 0; i < n; ++i) {
-      const Stretch side(loop, i);
+      const SidePart side(loop, i);
       const auto at = [&](const End& end) {
         const double whole = side.length(1), near = 1e-9 * whole;
         return end.s <= near ? 0.0 : end.s >= whole - near ? 1.0 : side.place(end.s);
@@ -308,6 +321,7 @@ void read_patches(const Value& document, Case& c) {
   std::size_t loads = 0, supports = 0;
   for (const Value& table : tables) {
     const bool load = table.path == "load[]";
+    if (!load) one_of(table);
     allow_only(table, load ? "" : "at");
     const auto given = find(table, "name");
     const std::string name = given  ? safe_name(*given)

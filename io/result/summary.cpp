@@ -158,7 +158,8 @@ void add_crack(std::string& out, const CrackResult& crack, const Units& u) {
   const std::string length = unit(u, dimension::length), stress = unit(u, dimension::stress),
                     intensity = unit(u, dimension::stress_intensity);
   add(out, "crack",
-      {clean_text(crack.name), item("length", crack.length, length), item("max opening", crack.max_opening, length)});
+      {clean_text(crack.name) + (crack.half ? " (in a plane of symmetry)" : ""), item("length", crack.length, length),
+       item("max opening", crack.max_opening, length)});
   if (crack.fluid_pressure) add(out, "", {item("fluid pressure", *crack.fluid_pressure, stress)});
   if (crack.pressure) add(out, "", in_words("max pressure", *crack.pressure, stress));
   for (const auto& t : crack.transitions)

@@ -138,7 +138,8 @@ std::string curve_slots(const CrackResult& crack, std::size_t i) {
 }
 
 std::string crack_section(const CrackResult& crack, std::size_t i, const Units& u) {
-  std::string out = fmt::format("<h3>Crack {}</h3>\n", escape_html(crack.name));
+  std::string out =
+      fmt::format("<h3>Crack {}{}</h3>\n", escape_html(crack.name), crack.half ? ", in a plane of symmetry" : "");
   if (crack.rows.size() > 1) out += curve_slots(crack, i);
   Facts facts;
   facts.add("length", with_unit(crack.length, u, dimension::length));
