@@ -115,8 +115,8 @@ struct PatchResult {
   std::string on;
   Vec2 at = Vec2::Zero();
   double width = 0;
-  Vec2 force = Vec2::Zero();  // of loads and supports
-  double mean_stress = 0;     // its amount over the length of the edge
+  Vec2 force = Vec2::Zero();                  // of loads and supports
+  double mean_stress = 0;                     // its amount over the length of the edge
   std::optional<double> displacement_change;  // along the force, had it half the width; of isotropic bodies
 };
 
@@ -142,8 +142,8 @@ struct StateResult {
   std::vector<ResultantResult> loads, reactions;  // per label
   std::optional<ResultantResult> body, balance;   // of the body force; the sum of all
   std::vector<PatchResult> patches = {};
-  std::optional<double> thickness;                // all that is per thickness, times it, is that of the plate
-  std::string load_case = {};                     // whose state it is, where the case has several
+  std::optional<double> thickness;  // all that is per thickness, times it, is that of the plate
+  std::string load_case = {};       // whose state it is, where the case has several
 };
 
 /// What a load case does to the body.

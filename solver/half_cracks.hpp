@@ -13,9 +13,9 @@ namespace kerf {
 
 /// The face that is there: a straight run of edges of the boundary without supports, next to a ligament.
 struct HalfCrack {
-  std::vector<Index> edges;             // along the boundary, the body on the left: from start to end
-  std::array<bool, 2> tips{};           // whether a ligament goes on, straight, before the start and behind the end
-  std::array<Index, 2> label{};         // of the edges at the start and at the end
+  std::vector<Index> edges;                 // along the boundary, the body on the left: from start to end
+  std::array<bool, 2> tips{};               // whether a ligament goes on, straight, before the start and behind the end
+  std::array<Index, 2> label{};             // of the edges at the start and at the end
   std::array<std::vector<Index>, 2> ahead;  // the ligaments, from the tip
 };
 

@@ -111,11 +111,11 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) 
     if (!(crack.penetration > 1e-6 * crack.max_opening && crack.penetration > 0))
       continue;
     else if (crack.half)
-      notes.push_back(
-          fmt::format("\"{}\", the face of a crack in a plane of symmetry, passes through that plane by up to {:.3g}: the "
-                      "crack closes there, and K and G are those of faces that pass through each other; model the whole "
-                      "body with a [[crack]], whose faces may touch",
-                      crack.name, crack.penetration / 2));
+      notes.push_back(fmt::format(
+          "\"{}\", the face of a crack in a plane of symmetry, passes through that plane by up to {:.3g}: the "
+          "crack closes there, and K and G are those of faces that pass through each other; model the whole "
+          "body with a [[crack]], whose faces may touch",
+          crack.name, crack.penetration / 2));
     else
       notes.push_back(
           fmt::format("the faces of crack \"{}\" (contact = \"open\") penetrate by up to {:.3g}; "
@@ -149,7 +149,7 @@ namespace {
 /// [Johnson 1985].
 std::vector<PatchResult> patch_results(const Case& c, const Model& body, const StateResult& state) {
   std::vector<PatchResult> all;
-  for (const Patch& patch : c.patches) {
+  for (const PointPatch& patch : c.patches) {
     PatchResult p{.on = c.shape.labels[static_cast<std::size_t>(patch.label)], .at = patch.at, .width = patch.width};
     for (const auto* some : {&state.loads, &state.reactions})
       for (const ResultantResult& r : *some)
@@ -173,14 +173,15 @@ std::vector<std::string> notes_on_patches(const Case& c, const StateResult& s) {
     const PatchResult& p = s.patches[i];
     if (p.force.isZero(0)) continue;
     std::string note = fmt::format(
-        "\"{}\" at ({:.6g}, {:.6g}): the force ({:.4g}, {:.4g}) acts on an edge {:.4g} wide{}{}, {:.4g} per length", p.on,
-        p.at.x(), p.at.y(), p.force.x(), p.force.y(), p.width,
+        "\"{}\" at ({:.6g}, {:.6g}): the force ({:.4g}, {:.4g}) acts on an edge {:.4g} wide{}{}, {:.4g} per length",
+        p.on, p.at.x(), p.at.y(), p.force.x(), p.force.y(), p.width,
         c.patches[i].given ? "" : ", 1/1000 of the body's diagonal by default",
         c.patches[i].at_plane ? ", of which a plane of symmetry leaves one half" : "", p.mean_stress);
     if (p.displacement_change) {
       note += fmt::format("; half that width would move it by {:.3g} more", *p.displacement_change);
       if (s.compliance > 0)
-        note += fmt::format(" ({:.2g} % of the compliance)", 100 * *p.displacement_change * p.force.norm() / s.compliance);
+        note +=
+            fmt::format(" ({:.2g} % of the compliance)", 100 * *p.displacement_change * p.force.norm() / s.compliance);
     }
     notes.push_back(std::move(note));
   }

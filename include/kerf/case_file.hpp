@@ -111,13 +111,13 @@ struct LoadStep {
 
 /// A short piece of the boundary that a case asks for at a point, with a label of its own: where a force acts, or where
 /// the body rests on something.
-struct Patch {
+struct PointPatch {
   Index label = none;
-  Index beside = none;          // the label of the side that it is a piece of
-  Vec2 at = Vec2::Zero();       // its middle, or the corner that it begins at
-  double width = 0;             // along the boundary, what is beyond a plane of symmetry included
-  bool at_plane = false;        // a plane of symmetry cuts it: one half of it is there
-  bool given = false;           // the width is that of the case
+  Index beside = none;     // the label of the side that it is a piece of
+  Vec2 at = Vec2::Zero();  // its middle, or the corner that it begins at
+  double width = 0;        // along the boundary, what is beyond a plane of symmetry included
+  bool at_plane = false;   // a plane of symmetry cuts it: one half of it is there
+  bool given = false;      // the width is that of the case
 };
 
 struct Case {
@@ -145,11 +145,11 @@ struct Case {
   FactorPrecision precision = FactorPrecision::Auto;
   std::optional<AdaptRequest> adapt;
   Functional functional;
-  MapRequest map_request;       // perturbation, radius and bounds of a map, asked for in the case or not
-  std::vector<LoadStep> steps;  // the last one has the loads of the scene
-  std::vector<Index> planes = {};   // labels of sides in planes of symmetry, with supports in the scene
-  std::vector<Vec2> half_tips = {};  // of cracks in these planes
-  std::vector<Patch> patches = {};  // in the order of [[load]], then [[boundary]]
+  MapRequest map_request;                // perturbation, radius and bounds of a map, asked for in the case or not
+  std::vector<LoadStep> steps;           // the last one has the loads of the scene
+  std::vector<Index> planes = {};        // labels of sides in planes of symmetry, with supports in the scene
+  std::vector<Vec2> half_tips = {};      // of cracks in these planes
+  std::vector<PointPatch> patches = {};  // in the order of [[load]], then [[boundary]]
   std::optional<MapJob> map;
   std::optional<ValidationRequest> validate;  // the perturbation is that of the map
   std::vector<Probe> probes;

@@ -142,23 +142,26 @@ void add_conditions(const std::vector<Value>& tables, const std::vector<std::str
   };
   for (const Value& entry : tables)
     if (!find(entry, "at")) add_table(entry, find_labels(need(entry, "on"), shape));
-  for (const Patch& patch : c.patches)
+  for (const PointPatch& patch : c.patches)
     for (const auto& [key, condition] : per_label[patch.beside])
       if (contains(keys, key)) add(per_label[patch.label], key, condition, shape.labels[patch.label]);
   // Those of [[load]] come first among the patches.
-  std::size_t number = c.patches.size() - static_cast<std::size_t>(std::ranges::count_if(
-                                              tables, [](const Value& entry) { return find(entry, "at").has_value(); }));
+  std::size_t number =
+      c.patches.size() - static_cast<std::size_t>(std::ranges::count_if(
+                             tables, [](const Value& entry) { return find(entry, "at").has_value(); }));
   for (const Value& entry : tables)
     if (find(entry, "at")) add_table(entry, {c.patches[number++].label});
 }
 
 /// The force of a [[load]] spread over its edge, which supports must leave free to do work.
-void add_force(const Value& table, const Patch& patch, const Conditions& on_label, Definitions& definitions, Case& c) {
+void add_force(const Value& table, const PointPatch& patch, const Conditions& on_label, Definitions& definitions,
+               Case& c) {
   const auto field = find(table, "force");
   const std::string name = quote(c.shape.labels[patch.label]);
   if (!field)
     fail(table.node->position,
-         fmt::format("missing key \"force\" in {}; add it, or give {} a traction in [[load_case.boundary]]", table.name, name));
+         fmt::format("missing key \"force\" in {}; add it, or give {} a traction in [[load_case.boundary]]", table.name,
+                     name));
   const std::array<Formula, 2> force = formulas(*field, definitions, false);
   for (const int d : {0, 1}) {
     const double here = force[d].value(patch.at, Vec2::Zero()),
@@ -168,18 +171,19 @@ void add_force(const Value& table, const Patch& patch, const Conditions& on_labe
            fmt::format("{}: a force is one number per component; for a load that varies over a side use [[boundary]] "
                        "traction",
                        field->name));
-    const char* held = get(on_label, "displacement")                     ? "displacement"
-                       : d == 0 && get(on_label, "displacement_x")       ? "displacement_x"
-                       : d == 1 && get(on_label, "displacement_y")       ? "displacement_y"
-                                                                         : nullptr;
+    const char* held = get(on_label, "displacement")               ? "displacement"
+                       : d == 0 && get(on_label, "displacement_x") ? "displacement_x"
+                       : d == 1 && get(on_label, "displacement_y") ? "displacement_y"
+                                                                   : nullptr;
     if (held && here != 0)
       fail(field->node->position,
            fmt::format("{}: component {} must be 0, because {} is prescribed there (at {})", field->name,
                        d == 0 ? "x" : "y", held, to_string(get(on_label, held)->position)));
   }
   if (const Condition* normal = get(on_label, "displacement_normal"))
-    fail(field->node->position, fmt::format("{}: the side has a support along its normal (at {}); put the load elsewhere",
-                                            field->name, to_string(normal->position)));
+    fail(field->node->position,
+         fmt::format("{}: the side has a support along its normal (at {}); put the load elsewhere", field->name,
+                     to_string(normal->position)));
   c.scene.tractions.push_back({patch.label, scaled_load(vector_field(force[0], force[1]),
                                                         1 / (patch.at_plane ? patch.width / 2 : patch.width))});
 }
@@ -309,9 +313,10 @@ std::vector<LoadCase> read_load_cases(const Value& document, Definitions& defini
                                                load->name));
   for (const Value& entry : find_tables(document, "load"))
     if (const auto force = find(entry, "force"))
-      fail(force->node->position, fmt::format("{}: with [[load_case]] all loads belong to load cases; leave it out, and "
-                                              "give the edge a name and, in each load case in which it acts, a traction",
-                                              force->name));
+      fail(force->node->position,
+           fmt::format("{}: with [[load_case]] all loads belong to load cases; leave it out, and "
+                       "give the edge a name and, in each load case in which it acts, a traction",
+                       force->name));
   if (const auto body = find_table(document, "body"))
     fail(body->node->position,
          "[body]: with [[load_case]] all loads belong to load cases; write body = { force = ... } "

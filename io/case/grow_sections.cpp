@@ -128,9 +128,10 @@ void read_grow(const Value& document, const std::filesystem::path& folder, Case&
   allow_only(*table);
   if (!c.half_tips.empty())
     fail(table->node->position,
-         fmt::format("[grow]: the crack that ends at ({:.6g}, {:.6g}) lies in a plane of symmetry, and such cracks do not "
-                     "grow: their tip is the point where two sides meet; draw the whole body with a [[crack]]",
-                     c.half_tips[0].x(), c.half_tips[0].y()));
+         fmt::format(
+             "[grow]: the crack that ends at ({:.6g}, {:.6g}) lies in a plane of symmetry, and such cracks do not "
+             "grow: their tip is the point where two sides meet; draw the whole body with a [[crack]]",
+             c.half_tips[0].x(), c.half_tips[0].y()));
   growth::GrowRequest& to = c.grow.emplace();
   read_law(need(*table, "law"), to);
   for (const Value& region : find_tables(*table, "region")) {

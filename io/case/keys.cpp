@@ -344,7 +344,8 @@ constexpr Key rows[] = {
     {"load[]",
      Tables,
      {},
-     "A force at a point of the boundary, on a short edge that kerf draws there. The loads of [[load_case]] act on such "
+     "A force at a point of the boundary, on a short edge that kerf draws there. The loads of [[load_case]] act on "
+     "such "
      "edges by their names."},
     {"load[].at",
      Pair,

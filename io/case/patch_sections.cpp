@@ -1,9 +1,10 @@
-// Forces and supports at points: [[load]], and [[boundary]] with `at`. A short edge is drawn on the outline or a hole, half
-// of its width along the boundary to either side of the point nearest to `at`, and gets a label of its own; what acts on
-// the side that it is a piece of acts on it, too. It may go on over vertices where the boundary hardly turns, not over
-// corners, ends of labels and other such edges. At a corner with a plane of symmetry, which continues the boundary as
-// its mirror image, half of the edge is there. A body that was written with its edges (a design, a grown body) has them
-// already. Here too: short sides beside the tips of cracks in planes of symmetry, which ask for a fine mesh there.
+// Forces and supports at points: [[load]], and [[boundary]] with `at`. A short edge is drawn on the outline or a hole,
+// half of its width along the boundary to either side of the point nearest to `at`, and gets a label of its own; what
+// acts on the side that it is a piece of acts on it, too. It may go on over vertices where the boundary hardly turns,
+// not over corners, ends of labels and other such edges. At a corner with a plane of symmetry, which continues the
+// boundary as its mirror image, half of the edge is there. A body that was written with its edges (a design, a grown
+// body) has them already. Here too: short sides beside the tips of cracks in planes of symmetry, which ask for a fine
+// mesh there.
 
 #include "geometry/plane.hpp"
 #include "io/case/formula.hpp"
@@ -64,7 +65,8 @@ struct SidePart {
     double low = std::max(0.0, best - 1.0 / samples), high = std::min(1.0, best + 1.0 / samples);
     for (int i = 0; i < 80; ++i) {
       const double p = low + (high - low) / 3, q = high - (high - low) / 3;
-      ((point(p) - x).norm() < (point(q) - x).norm() ? high : low) = (point(p) - x).norm() < (point(q) - x).norm() ? q : p;
+      ((point(p) - x).norm() < (point(q) - x).norm() ? high : low) =
+          (point(p) - x).norm() < (point(q) - x).norm() ? q : p;
     }
     return (low + high) / 2;
   }
@@ -96,9 +98,9 @@ class Drawer {
  public:
   Drawer(Case& c, std::vector<Index> planes) : c_(c), planes_(std::move(planes)) {}
 
-  Patch draw(const Value& table, const std::string& name) {
+  PointPatch draw(const Value& table, const std::string& name) {
     const Value at = need(table, "at");
-    Patch patch{.at = point(at)};
+    PointPatch patch{.at = point(at)};
     if (c_.mesh)
       fail(at.node->position,
            fmt::format("{}: the mesh of domain.file is taken as it is, and no edge can be drawn in it; name a curve "
@@ -141,13 +143,14 @@ class Drawer {
   }
 
   /// A body that was written with its edges. The label beside is that of a neighbor.
-  Patch drawn_already(const Value& at, const std::string& name, Index label, const OnRim& on, Patch patch) const {
+  PointPatch drawn_already(const Value& at, const std::string& name, Index label, const OnRim& on,
+                           PointPatch patch) const {
     const auto& sides = on.loop->sides;
     const auto refuse_taken = [&] {
       fail(at.node->position,
            fmt::format("{}: there is a label {} already; give this one another name", at.name, quote(name)));
     };
-    if (sides[on.side].label != label || std::ranges::find(c_.patches, label, &Patch::label) != c_.patches.end())
+    if (sides[on.side].label != label || std::ranges::find(c_.patches, label, &PointPatch::label) != c_.patches.end())
       refuse_taken();
     patch.label = label;
     double length = 0;
@@ -198,10 +201,10 @@ class Drawer {
         if (to_corner < 1e-6 * half)
           refuse(fmt::format("({:.6g}, {:.6g}) is a corner; move it by {:.3g}, half the width, along one of its sides",
                              corner.x(), corner.y(), half));
-        refuse(fmt::format("an edge {:.6g} wide around ({:.6g}, {:.6g}) passes the corner at ({:.6g}, {:.6g}), {:.3g} away; "
-                           "make it no wider than {:.3g}, or move it by {:.3g} along the side",
-                           2 * half, middle.x(), middle.y(), corner.x(), corner.y(), to_corner, 2 * to_corner,
-                           left - room));
+        refuse(fmt::format(
+            "an edge {:.6g} wide around ({:.6g}, {:.6g}) passes the corner at ({:.6g}, {:.6g}), {:.3g} away; "
+            "make it no wider than {:.3g}, or move it by {:.3g} along the side",
+            2 * half, middle.x(), middle.y(), corner.x(), corner.y(), to_corner, 2 * to_corner, left - room));
       }
       left -= room;
       i = forwards ? vertex : (vertex + n - 1) % n;
@@ -213,23 +216,24 @@ class Drawer {
   void check(const Loop& loop, std::size_t i, Index beside) const {
     const Index label = loop.sides[i].label;
     const Vec2 middle = SidePart(loop, i).point(0.5);
-    for (const Patch& other : c_.patches)
+    for (const PointPatch& other : c_.patches)
       if (other.label == label)
-        refuse(fmt::format("it overlaps with {} around ({:.6g}, {:.6g}), which is {:.3g} wide; make one of them narrower, "
-                           "or move it",
-                           quote(c_.shape.labels[static_cast<std::size_t>(label)]), other.at.x(), other.at.y(),
-                           other.width));
+        refuse(fmt::format(
+            "it overlaps with {} around ({:.6g}, {:.6g}), which is {:.3g} wide; make one of them narrower, "
+            "or move it",
+            quote(c_.shape.labels[static_cast<std::size_t>(label)]), other.at.x(), other.at.y(), other.width));
     if (in_plane(label))
       refuse(fmt::format("it lies on {} near ({:.6g}, {:.6g}), a plane of symmetry, which is inside of the whole body",
                          quote(c_.shape.labels[static_cast<std::size_t>(label)]), middle.x(), middle.y()));
     if (label != beside)
-      refuse(fmt::format("it lies on {} and on {}, with the border at an end of the side around ({:.6g}, {:.6g}); make it "
-                         "narrower, or move it",
-                         quote(c_.shape.labels[static_cast<std::size_t>(beside)]),
-                         quote(c_.shape.labels[static_cast<std::size_t>(label)]), middle.x(), middle.y()));
+      refuse(
+          fmt::format("it lies on {} and on {}, with the border at an end of the side around ({:.6g}, {:.6g}); make it "
+                      "narrower, or move it",
+                      quote(c_.shape.labels[static_cast<std::size_t>(beside)]),
+                      quote(c_.shape.labels[static_cast<std::size_t>(label)]), middle.x(), middle.y()));
   }
 
-  void cut(OnRim on, const std::string& name, double size, Patch& patch) {
+  void cut(OnRim on, const std::string& name, double size, PointPatch& patch) {
     Loop& loop = *on.loop;
     const std::size_t n = loop.sides.size();
     // At a corner with a plane: the side beyond it.
@@ -363,7 +367,8 @@ void draw_half_tips(Case& c) {
       sides.push_back(loop.sides[v]);
       const double l = (b - a).norm();
       if (loop.sides[v].arc || l <= 3 * short_side) continue;
-      for (const auto& [wanted, share] : {std::pair(bool(tip[v]), short_side / l), std::pair(bool(tip[(v + 1) % n]), 1 - short_side / l)})
+      for (const auto& [wanted, share] :
+           {std::pair(bool(tip[v]), short_side / l), std::pair(bool(tip[(v + 1) % n]), 1 - short_side / l)})
         if (wanted) {
           Side more = loop.sides[v];
           more.start = a + share * (b - a);

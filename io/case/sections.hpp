@@ -66,8 +66,8 @@ std::vector<Value> tables_of_patches(const Value& document);
 /// Short sides beside the tips of cracks in planes of symmetry. After the conditions and [mesh].
 void draw_half_tips(Case& c);
 
-/// Fails where a label cannot be a plane of symmetry: curved sides, a body force across it, an eigenstrain with a shear,
-/// a material whose axes it does not halve. `blamed`: the key that asks for it.
+/// Fails where a label cannot be a plane of symmetry: curved sides, a body force across it, an eigenstrain with a
+/// shear, a material whose axes it does not halve. `blamed`: the key that asks for it.
 void require_symmetry(const Position& blamed, Index plane, const VectorField& body, const Case& c);
 
 /// [[boundary]], [[load]] and [body].

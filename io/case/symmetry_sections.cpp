@@ -1,5 +1,5 @@
-// What a plane of symmetry asks of a case: straight sides, and a body whose mirror image in them has the same forces, strains
-// and materials beside the plane. What is wrong is refused at the key that asks for it.
+// What a plane of symmetry asks of a case: straight sides, and a body whose mirror image in them has the same forces,
+// strains and materials beside the plane. What is wrong is refused at the key that asks for it.
 
 #include "geometry/plane.hpp"
 #include "io/case/sections.hpp"
@@ -26,9 +26,10 @@ std::vector<Piece> straight_pieces(const Position& blamed, Index label, const Ca
   constexpr double corner = pi / 6;
   const std::string name = quote(c.shape.labels[static_cast<std::size_t>(label)]);
   const auto refuse = [&](const Vec2& at) {
-    fail(blamed, fmt::format("symmetry: {} is curved at ({:.6g}, {:.6g}), and a plane of symmetry is straight; give the "
-                             "straight sides a label of their own",
-                             name, at.x(), at.y()));
+    fail(blamed,
+         fmt::format("symmetry: {} is curved at ({:.6g}, {:.6g}), and a plane of symmetry is straight; give the "
+                     "straight sides a label of their own",
+                     name, at.x(), at.y()));
   };
   std::vector<Piece> pieces;
   const double size = extent(c.shape);
@@ -88,9 +89,10 @@ Index region_at(const Case& c, const Piece& p, const Vec2& x) {
 void require_symmetry(const Position& blamed, Index plane, const VectorField& body, const Case& c) {
   const std::string name = quote(c.shape.labels[static_cast<std::size_t>(plane)]);
   const auto refuse = [&](const std::string& what, const Vec2& at) {
-    fail(blamed, fmt::format("symmetry: {} at ({:.6g}, {:.6g}) on {}, so that the body is not its own mirror image; if it "
-                             "only slides there, write displacement_normal = 0",
-                             what, at.x(), at.y(), name));
+    fail(blamed,
+         fmt::format("symmetry: {} at ({:.6g}, {:.6g}) on {}, so that the body is not its own mirror image; if it "
+                     "only slides there, write displacement_normal = 0",
+                     what, at.x(), at.y(), name));
   };
   constexpr double rounding = 1e-9;
   for (const Piece& p : straight_pieces(blamed, plane, c))
@@ -102,15 +104,16 @@ void require_symmetry(const Position& blamed, Index plane, const VectorField& bo
       const auto region = static_cast<std::size_t>(region_at(c, p, x) + 1);
       if (region < c.scene.eigenstrain.size() && c.scene.eigenstrain[region]) {
         const Vec2 normal = c.scene.eigenstrain[region].normal(x);
-        const double xy = c.scene.eigenstrain[region].shear(x).x(),
-                     shear = p.n.x() * t.x() * normal.x() + p.n.y() * t.y() * normal.y() +
-                             (p.n.x() * t.y() + p.n.y() * t.x()) * xy;
+        const double xy = c.scene.eigenstrain[region].shear(x).x(), shear = p.n.x() * t.x() * normal.x() +
+                                                                            p.n.y() * t.y() * normal.y() +
+                                                                            (p.n.x() * t.y() + p.n.y() * t.x()) * xy;
         if (std::abs(shear) > rounding * (normal.norm() + std::abs(xy)))
           refuse(fmt::format("the eigenstrain shears by {:.4g}", shear), x);
       }
       const auto& axes = region == 0 ? c.orthotropy : c.regions[region - 1].orthotropy;
       if (axes)
-        if (const double turn = std::remainder(axes->angle - std::atan2(p.n.y(), p.n.x()), pi / 2); std::abs(turn) > 1e-6)
+        if (const double turn = std::remainder(axes->angle - std::atan2(p.n.y(), p.n.x()), pi / 2);
+            std::abs(turn) > 1e-6)
           refuse(fmt::format("the axes of the material are {:.4g} degrees off the plane", turn * 180 / pi), x);
     }
 }

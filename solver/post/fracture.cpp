@@ -707,9 +707,10 @@ Vec2 load_on(const Model& model, const CrackTip& tip, Index edge, const Vec2& at
   return tip.frame.transpose() * load;
 }
 
-/// int q P . n on the face of half a crack, n out of the body: - q (s n) . u'_,1, s less the polynomial state, and for J
-/// - q (s n) . u_,1, on the edges next to the tip, where the discrete fields are poor, continued from the next edge like
-/// r^-1/2.
+/// int q P . n on the face of half a crack, n out of the body: - q (s n) . u'_,1, s less the polynomial state, and for
+/// J
+/// - q (s n) . u_,1, on the edges next to the tip, where the discrete fields are poor, continued from the next edge
+/// like r^-1/2.
 Integrals work_on_half_face(const Model& model, const Field& state, const Disc& disc) {
   const CrackTip& tip = disc.tip;
   const Vec2 n(0, -tip.half);

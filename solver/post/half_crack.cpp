@@ -1,6 +1,6 @@
 // Faces of cracks in planes of symmetry, found on the boundary: from every vertex where an edge of a plane and an edge
-// without supports lie on one straight line, the edges without supports up to the first turn. The half that is not there
-// is the mirror image of this one: the jump is twice the normal displacement.
+// without supports lie on one straight line, the edges without supports up to the first turn. The half that is not
+// there is the mirror image of this one: the jump is twice the normal displacement.
 
 #include "solver/half_cracks.hpp"
 #include "solver/recovery.hpp"

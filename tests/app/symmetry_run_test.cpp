@@ -1,5 +1,5 @@
-// Half models and forces at points, from the case file to what kerf says and writes: against the whole body with a crack,
-// and against the body with edges of half the width.
+// Half models and forces at points, from the case file to what kerf says and writes: against the whole body with a
+// crack, and against the body with edges of half the width.
 
 #include "app/run.hpp"
 #include "tests/io/case/case_files.hpp"
@@ -90,7 +90,8 @@ TEST(SymmetryRun, HalfABarHasTheCrackOfTheWhole) {
   EXPECT_NEAR(K, 8 * 1.98182, 0.012 * K);
   EXPECT_NEAR(tip["T"].get<double>(), of_twin["T"], 0.02 * K);
   EXPECT_NEAR(tip["G"].get<double>(), of_twin["G"], 4e-3 * of_twin["G"].get<double>());
-  EXPECT_NEAR(crack["max_opening"].get<double>(), twin["cracks"][0]["max_opening"], 0.03 * crack["max_opening"].get<double>());
+  EXPECT_NEAR(crack["max_opening"].get<double>(), twin["cracks"][0]["max_opening"],
+              0.03 * crack["max_opening"].get<double>());
   EXPECT_NEAR(2 * r["state"]["compliance"].get<double>(), twin["state"]["compliance"],
               2e-3 * twin["state"]["compliance"].get<double>());
   ASSERT_TRUE(tip.contains("margin"));

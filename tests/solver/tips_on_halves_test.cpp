@@ -1,5 +1,5 @@
-// Tips of cracks in planes of symmetry: K_I, T, G and J of the half are those of the whole body on the mesh and its mirror
-// image, to rounding; against Tada's strip; and where there is no tip.
+// Tips of cracks in planes of symmetry: K_I, T, G and J of the half are those of the whole body on the mesh and its
+// mirror image, to rounding; against Tada's strip; and where there is no tip.
 
 #include "solver/half_cracks.hpp"
 
@@ -21,13 +21,9 @@ constexpr double a = 0.4;
 
 /// 1 wide, `height` high, the face from x = 0 to a on y = 0.
 Mesh half_strip(double height, double size, double tip_size) {
-  const std::vector<std::pair<Vec2, Index>> corners{{{0, 0}, Face},
-                                                    {{a - tip_size, 0}, Face},
-                                                    {{a, 0}, Ligament},
-                                                    {{a + tip_size, 0}, Ligament},
-                                                    {{1, 0}, Right},
-                                                    {{1, height}, Far},
-                                                    {{0, height}, Left}};
+  const std::vector<std::pair<Vec2, Index>> corners{
+      {{0, 0}, Face},  {{a - tip_size, 0}, Face}, {{a, 0}, Ligament}, {{a + tip_size, 0}, Ligament},
+      {{1, 0}, Right}, {{1, height}, Far},        {{0, height}, Left}};
   Shape shape{.labels = {"face", "ligament", "right", "far", "left"}};
   shape.outline.name = "outline";
   for (const auto& [x, label] : corners) shape.outline.sides.push_back({x, label});
@@ -146,8 +142,8 @@ TEST(TipsOnHalves, SeeLoadsOfFacesAndBodiesAndStrains) {
               of_whole(coarse, bdms(2), scene, [p](const Vec2& x, const Vec2&) { return Vec2(p(x), 0); }), 0.05);
   scene.body = [](const Vec2& x) { return Vec2(1 + x.x(), 0); };
   expect_same(of_half(coarse, bdms(2), scene), of_whole(coarse, bdms(2), scene));
-  scene.eigenstrain = {{[](const Vec2& x) { return Vec2(1e-3 * x.x() * x.x(), 2e-3); },
-                        [](const Vec2&) { return Vec2(0, 0); }}};
+  scene.eigenstrain = {
+      {[](const Vec2& x) { return Vec2(1e-3 * x.x() * x.x(), 2e-3); }, [](const Vec2&) { return Vec2(0, 0); }}};
   expect_same(of_half(coarse, bdms(2), scene), of_whole(coarse, bdms(2), scene));
 }
 
@@ -156,7 +152,7 @@ TEST(TipsOnHalves, HoldInMaterialsWithAxesInThePlane) {
   expect_same(of_half(coarse, bdms(2), stretched(wood)), of_whole(coarse, bdms(2), stretched(wood)));
 }
 
-// Edge crack in a strip, error of the formula below 0.5 % [Tada, Paris, Irwin 2000].
+// Edge crack in a strip, error of the formula below 0.5 % Tada, Paris, Irwin, handbook.
 TEST(TipsOnHalves, HaveTheStripOfTada) {
   const double t = std::tan(pi * a / 2), c = std::cos(pi * a / 2), s = std::sin(pi * a / 2),
                F = std::sqrt(2 / (pi * a) * t) * (0.752 + 2.02 * a + 0.37 * std::pow(1 - s, 3)) / c;

@@ -34,7 +34,8 @@ std::vector<std::array<Vec2, 2>> sides_of(const Loop& loop, Index label) {
 TEST(PointsOfForce, AreEdgesWithLabelsAndConditions) {
   const Case c = read(beam);
   ASSERT_EQ(c.patches.size(), 3u);
-  EXPECT_EQ(c.shape.labels, (std::vector<std::string>{"bottom", "right", "top", "left", "load-1", "support-1", "roller"}));
+  EXPECT_EQ(c.shape.labels,
+            (std::vector<std::string>{"bottom", "right", "top", "left", "load-1", "support-1", "roller"}));
   const auto load = sides_of(c.shape.outline, 4);
   ASSERT_EQ(load.size(), 1u);
   EXPECT_NEAR((load[0][0] - Vec2(1.05, 1)).norm() + (load[0][1] - Vec2(0.95, 1)).norm(), 0, 1e-12);
@@ -49,7 +50,8 @@ TEST(PointsOfForce, AreEdgesWithLabelsAndConditions) {
 }
 
 TEST(PointsOfForce, KeepWhatActsOnTheirSide) {
-  const Case c = read(beam + "[[boundary]]\non = \"top\"\ntraction = [0, -1]\n[[boundary]]\non = \"bottom\"\npressure = 2\n");
+  const Case c =
+      read(beam + "[[boundary]]\non = \"top\"\ntraction = [0, -1]\n[[boundary]]\non = \"bottom\"\npressure = 2\n");
   Vec2 on_load = Vec2::Zero();
   for (const Traction& t : c.scene.tractions)
     if (t.label == 4) on_load += t.value({1, 1}, {0, 1});
@@ -101,14 +103,16 @@ TEST(PointsOfForce, AreRefusedWithTheirPlace) {
                    "a.toml:14:9: width in [[load]]: it overlaps with \"load-1\" around (0.5, 0), which is 1 wide"));
   EXPECT_TRUE(says(at(""), "missing key \"at\""));
   EXPECT_TRUE(says(error(square + "[[load]]\nat = [1, 1]\n"), "missing key \"force\""));
-  EXPECT_TRUE(says(error(square + "[[load]]\nat = [1, 1]\nforce = [0, \"x\"]\n"), "a force is one number per component"));
+  EXPECT_TRUE(
+      says(error(square + "[[load]]\nat = [1, 1]\nforce = [0, \"x\"]\n"), "a force is one number per component"));
   EXPECT_TRUE(says(error(square + "[[load]]\nat = [1, 1]\nforce = [0, 1]\nname = \"top\"\n"),
                    "there is a label \"top\" already"));
   EXPECT_TRUE(says(error(square + "[[boundary]]\nat = [1, 1]\non = \"top\"\ndisplacement_y = 0\n"), "on"));
   EXPECT_TRUE(says(error(square + "[[boundary]]\nat = [1, 1]\nsymmetry = true\n"), "symmetry"));
-  EXPECT_TRUE(says(error("[domain]\noutline = [[0, 0], [1, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\", "
-                         "\"e\"]\n[material]\nyoung = 1\npoisson = 0\n[[load]]\nat = [1, 0]\nforce = [0, 1]\n"),
-                   "it lies on \"a\" and on \"b\""));
+  EXPECT_TRUE(
+      says(error("[domain]\noutline = [[0, 0], [1, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\", "
+                 "\"e\"]\n[material]\nyoung = 1\npoisson = 0\n[[load]]\nat = [1, 0]\nforce = [0, 1]\n"),
+           "it lies on \"a\" and on \"b\""));
 }
 
 TEST(PointsOfForce, AreNamedByLoadCases) {

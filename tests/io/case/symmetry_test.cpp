@@ -37,13 +37,13 @@ TEST(Symmetry, HoldsTheNormalAloneAndRefinesTheTip) {
 }
 
 TEST(Symmetry, ExcludesWhatContradictsIt) {
-  for (const char* other : {"displacement = [0, 0]", "displacement_x = 0", "displacement_normal = 0", "traction = [1, 0]",
-                            "pressure = 1"}) {
+  for (const char* other : {"displacement = [0, 0]", "displacement_x = 0", "displacement_normal = 0",
+                            "traction = [1, 0]", "pressure = 1"}) {
     const std::string said = error(half + "[[boundary]]\non = \"ligament\"\n" + other + "\n");
     EXPECT_TRUE(says(said, "label \"ligament\"") && says(said, "symmetry") && says(said, "keep one of them")) << said;
   }
-  EXPECT_TRUE(says(error(half + "[body]\nforce = [0, -1]\n"), "a.toml:9:12: symmetry: the body force has a component")) <<
-      error(half + "[body]\nforce = [0, -1]\n");
+  EXPECT_TRUE(says(error(half + "[body]\nforce = [0, -1]\n"), "a.toml:9:12: symmetry: the body force has a component"))
+      << error(half + "[body]\nforce = [0, -1]\n");
   EXPECT_EQ(read(half + "[body]\nforce = [\"1 + x\", \"-y\"]\n").planes.size(), 1u);  // odd in y
   EXPECT_TRUE(says(error(half, {"material.eigenstrain=[0, 0, 0.01]"}), "symmetry: the eigenstrain shears by"));
   EXPECT_EQ(error(half, {"material.eigenstrain=[0.02, 0.01, 0]"}), "no error");
@@ -51,8 +51,8 @@ TEST(Symmetry, ExcludesWhatContradictsIt) {
   EXPECT_EQ(error(half, wood), "no error");
   std::vector<std::string> turned = wood;
   turned.emplace_back("material.angle=30");
-  EXPECT_TRUE(says(error(half, turned), "symmetry: the axes of the material are 30 degrees off the plane")) <<
-      error(half, turned);
+  EXPECT_TRUE(says(error(half, turned), "symmetry: the axes of the material are 30 degrees off the plane"))
+      << error(half, turned);
   EXPECT_TRUE(says(error(half, {"boundary[0].symmetry=false"}), "says nothing"));
 }
 
