@@ -8,7 +8,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-ROOMS = ["python", "bench", "app", "plot", "io", "optimize", "topo", "growth", "solver", "geometry", "base"]
+ROOMS = ["python", "bench", "app", "plot", "io", "optimize", "inspect", "topo", "growth", "solver", "geometry", "base"]
 WIDTH, LEFT, BOX, HEIGHT, GAP = 1000, 20, 640, 74, 22
 
 

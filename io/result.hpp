@@ -3,6 +3,7 @@
 
 #include "base/whole_file.hpp"
 #include "kerf/bounds.hpp"
+#include "kerf/edge_cracks.hpp"
 #include "kerf/growth.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/optimize.hpp"
@@ -265,6 +266,27 @@ struct GrowthResult {
   std::optional<int> unstable_from = {}, snaps_back_from = {};  // growth::Grown
 };
 
+/// Edge cracks, as far as result.json has them: edge_cracks.csv has all places.
+struct EdgeCrackResult {
+  double length = 0;
+  std::optional<double> angle = {};  // radians; absent: the worst one of each place
+  double friction = 0;
+  bool pressurized = false;
+  int places = 0;
+  double masked_share = 0;  // of the length of the boundary
+  struct Row {
+    inspect::EdgeCrack crack;
+    inspect::Tolerance tolerance = {};
+  };
+  std::vector<Row> worst;  // or the places that were asked for, in their order
+  bool asked = false;
+  std::string law = {};                  // of [inspect]; empty: none
+  double factor = 1;                     // of [inspect]
+  std::optional<PlacedValue> safe = {};  // the shortest critical length
+  double open_share = 0;                 // inspect::EdgeCrackMap
+  std::vector<inspect::DrawnPlace> drawn = {};
+};
+
 struct Result {
   std::string version, case_name, title, status = "ok";
   Units units;
@@ -282,6 +304,7 @@ struct Result {
   std::optional<GrowthResult> growth = {};
   std::optional<FunctionalResult> functional;
   std::optional<MapResult> map;
+  std::optional<EdgeCrackResult> edge_cracks = {};
   std::optional<ValidationResult> validate;
   std::optional<OptimizeResult> optimize;  // mesh, state, ... are then those of its design
   OptimizeNames optimize_names;
@@ -321,6 +344,10 @@ void write_growth_csv(const std::filesystem::path& path, const GrowthResult& gro
 /// beta.csv, what programs of lives read: per tip and step its length a (half of the crack where both ends grow), beta =
 /// K_max/(stress sqrt(pi a)), and K_max.
 void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, double stress);
+/// edge_cracks.csv: a row per place of the boundary, with its tolerance where that was asked for.
+void write_edge_cracks_csv(const std::filesystem::path& path, const inspect::EdgeCrackMap& map);
+/// drawn_edge_cracks.csv: a row per place and length that was drawn.
+void write_drawn_edge_cracks_csv(const std::filesystem::path& path, const std::vector<inspect::DrawnPlace>& drawn);
 
 /// The summary for a terminal: mesh, state, contact, map, validation, optimization, times; no colors, at most 100
 /// columns.

@@ -8,5 +8,5 @@ for format in clang-format-$version clang-format none; do
   "$format" --version 2>/dev/null | grep -q "version $version\." && break
 done
 [ "$format" != none ] || { echo "skipped: clang-format $version is not installed"; exit 77; }
-find app base bench examples geometry growth include io optimize plot python solver tests topo \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
+find app base bench examples geometry growth include inspect io optimize plot python solver tests topo \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
   xargs -0 "$format" --dry-run --Werror || { echo "run ./dev format"; exit 1; }

@@ -10,16 +10,17 @@ complain() {
 }
 declare -A below=(
   [base]="base" [growth]="growth solver geometry base" [geometry]="geometry base" [solver]="solver geometry base" [topo]="topo solver geometry base"
+  [inspect]="inspect growth topo solver geometry base"
   [optimize]="optimize topo solver geometry base"
-  [io]="io optimize topo solver geometry growth base" [plot]="plot io optimize topo solver geometry growth base"
-  [python]="python app plot io optimize topo solver geometry growth base"
-  [bench]="bench app plot io optimize topo solver geometry growth base" [app]="app plot io optimize topo solver geometry growth base"
+  [io]="io optimize inspect topo solver geometry growth base" [plot]="plot io optimize inspect topo solver geometry growth base"
+  [python]="python app plot io optimize inspect topo solver geometry growth base"
+  [bench]="bench app plot io optimize inspect topo solver geometry growth base" [app]="app plot io optimize inspect topo solver geometry growth base"
 )
 # The room that a public header belongs to.
 declare -A home=(
   [types]=base [stop]=base [shape]=geometry [mesh]=geometry [mesher]=geometry [folded]=geometry
   [material]=solver [field]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
-  [fracture]=solver [bounds]=solver [adaptive]=solver [growth]=growth
+  [fracture]=solver [bounds]=solver [adaptive]=solver [growth]=growth [edge_cracks]=inspect
   [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [derivative_bounds]=topo [second_order]=topo [validate]=topo [shape_gradient]=topo [units]=topo
   [design]=optimize [optimize]=optimize [inverse]=optimize
   [case_file]=io [mesh_file]=io [vtk]=io [kerf]=io
@@ -73,7 +74,7 @@ only() {  # only PATTERN FILE...: the header may be included in those files alon
       *" $file "*) ;;
       *) complain "$file includes $1, which belongs in ${*:2}" ;;
     esac
-  done < <(grep -rlE "^#include <$1" include base growth geometry solver topo optimize io plot bench app python --include=*.cpp --include=*.hpp)
+  done < <(grep -rlE "^#include <$1" include base growth geometry solver topo inspect optimize io plot bench app python --include=*.cpp --include=*.hpp)
 }
 only CGAL/ geometry/mesher/mesher.cpp
 only cholmod solver/system/symbolic.cpp
@@ -98,7 +99,7 @@ doors() {  # doors PATTERN FILE...: what it finds may stand in those files alone
       *" $file "*) ;;
       *) complain "$file writes past base/whole_file.hpp: $(grep -nE "$1" "$file" | head -n 1)" ;;
     esac
-  done < <(grep -rlE "$1" base growth geometry solver topo optimize io plot app python --include=*.cpp --include=*.hpp)
+  done < <(grep -rlE "$1" base growth geometry solver topo inspect optimize io plot app python --include=*.cpp --include=*.hpp)
 }
 doors 'std::ofstream|O_CREAT|O_TRUNC|fopen\([^)]*"[wa]|freopen|copy_file|mkdtemp|mkstemp|[^_]rename(at)?\(|\bunlink(at)?\(' \
   base/whole_file.cpp io/mesh/confine.cpp io/mesh/gmsh.cpp app/run/forecast.cpp
@@ -108,7 +109,7 @@ doors 'fs::remove|filesystem::remove|remove_all\(' \
   app/command/folder.cpp app/run/recorder.cpp app/command/program.cpp app/sweep/sweep_run.cpp app/run/forecast.cpp io/mesh/gmsh.cpp
 # Two types of one name in the same namespace are one to the linker: it keeps the destructor of one of them. Types of a
 # single file belong into its anonymous namespace.
-headers=$(find include base growth geometry solver topo optimize io plot bench app python -name '*.hpp')
+headers=$(find include base growth geometry solver topo inspect optimize io plot bench app python -name '*.hpp')
 while IFS= read -r name; do
   complain "struct or class $name is defined in more than one header: $(grep -lE "^(struct|class) $name( |$)[^;]*$" $headers | tr '\n' ' ')"
 done < <(grep -hoE "^(struct|class) [A-Za-z_]+( final)?( :[^;]*)? ?\{" $headers | awk '{print $2}' | sort | uniq -d)

@@ -20,6 +20,7 @@
 #include "app/parts/task_pool.hpp"
 #include "app/run/bounds.hpp"
 #include "app/run/checkpoints.hpp"
+#include "app/run/edge_cracks.hpp"
 #include "app/run/grow.hpp"
 #include "app/run/history.hpp"
 #include "app/run/load_cases.hpp"
@@ -118,14 +119,19 @@ Picture picture_of(const Case& design, const Mesh& mesh) {
 
 struct Jobs {
   bool map = false, validate = false, optimize = false, grow = false;
+  bool edges = false, draw_edges = false;  // instead of the first two, with perturbation = "edge_crack"
 };
 
 Jobs jobs_of(const Case& c, Job job) {
-  const Jobs jobs{.map = job == Job::Map || (job == Job::Run && c.map),
-                  .validate = job == Job::Validate || (job == Job::Run && c.validate),
+  const bool edges = c.edge_cracks.has_value(), lengths = !c.drawn_lengths.empty();
+  const bool validate = job == Job::Validate || (job == Job::Run && (c.validate || lengths));
+  const Jobs jobs{.map = !edges && (job == Job::Map || (job == Job::Run && c.map)),
+                  .validate = !edges && validate,
                   .optimize = job == Job::Optimize || (job == Job::Run && c.optimize),
-                  .grow = job == Job::Grow || (job == Job::Run && c.grow)};
-  if (jobs.validate && !c.validate)
+                  .grow = job == Job::Grow || (job == Job::Run && c.grow),
+                  .edges = edges && (job == Job::Map || job == Job::Validate || job == Job::Run),
+                  .draw_edges = edges && validate};
+  if (jobs.draw_edges ? !lengths : jobs.validate && !c.validate)
     throw Error(Fault::Usage, "the case has no table [validate]; add it with points and radii");
   if (jobs.optimize && !c.optimize)
     throw Error(Fault::Usage, "the case has no table [optimize]; add it with method and volume");
@@ -137,7 +143,7 @@ Jobs jobs_of(const Case& c, Job job) {
 void refuse_remeshing(const Case& c, const Jobs& jobs) {
   if (!c.mesh) return;
   const char* why = jobs.optimize                      ? "optimize"
-                    : jobs.validate                    ? "validate"
+                    : jobs.validate || jobs.draw_edges ? "validate"
                     : jobs.grow                        ? "grow cracks"
                     : jobs.map && c.map_request.bounds ? "bound the map"
                     : c.adapt                          ? "adapt the mesh"
@@ -174,6 +180,7 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
     throw Error(Fault::Usage, place + ": backend = \"petsc\" is for the program kerf alone; use \"cholmod\"");
   require_edges_alone(c.element);
   const char* job = jobs.optimize      ? "an optimization"
+                    : jobs.edges       ? "a map of edge cracks"
                     : jobs.validate    ? "a validation"
                     : jobs.grow        ? "growth of cracks ([grow])"
                     : !c.steps.empty() ? "a history of loads ([[step]])"
@@ -189,7 +196,7 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
 void refuse_divided(const Case& c, const Jobs& jobs) {
   if (c.divisions == 0) return;
   const char* job = jobs.optimize                      ? "an optimization"
-                    : jobs.validate                    ? "a validation"
+                    : jobs.validate || jobs.draw_edges ? "a validation"
                     : jobs.grow                        ? "growth of cracks ([grow])"
                     : !c.steps.empty()                 ? "a history of loads ([[step]])"
                     : c.synthetic                      ? "a made up measurement ([synthetic])"
@@ -207,7 +214,7 @@ void refuse_jobs(const Case& c, const Jobs& jobs) {
   refuse_divided(c, jobs);
   if (!c.steps.empty()) {
     refuse_steps(c);
-    if (jobs.map) refuse_with_steps(c, "a map ([map])");
+    if (jobs.map || jobs.edges) refuse_with_steps(c, "a map ([map])");
     if (jobs.validate) refuse_with_steps(c, "a validation ([validate])");
     if (jobs.optimize) refuse_with_steps(c, "an optimization ([optimize])");
     if (jobs.grow) refuse_with_steps(c, "growth of cracks ([grow])");
@@ -215,6 +222,8 @@ void refuse_jobs(const Case& c, const Jobs& jobs) {
   refuse_remeshing(c, jobs);
   if (jobs.optimize) refuse_optimization(c);
   if (jobs.map || jobs.validate) refuse_orthotropic(c);
+  if (jobs.edges && std::ranges::any_of(all_materials(c.scene), [](const Material& m) { return !isotropic(m); }))
+    throw Error(Fault::Usage, place_of(c, "map.perturbation") + ": edge cracks are known in isotropic materials alone");
   const Element& e = c.element;
   if (jobs.map) refuse_map(e, c.map_request);
   if (jobs.validate) refuse_validation(e);
@@ -467,7 +476,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   c.scene = loaded_scene(given);
   std::unique_ptr<Outcome> out;
   try {
-    if (!jobs.optimize || jobs.map || jobs.validate || jobs.grow) {
+    if (!jobs.optimize || jobs.map || jobs.validate || jobs.grow || jobs.edges) {
       SolvedState solved = solve_state(c, journal, r);
       out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
     }
@@ -479,6 +488,9 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     // Nothing is built on a state that is none: `complete` says so.
     const bool sound = !out || certified(out->solved.adapted.state);
     if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
+    if (jobs.edges && sound) r.edge_cracks = inspect_edges(out->c, out->solved.adapted, journal);
+    if (jobs.draw_edges && sound)
+      draw_edge_cracks(out->c, out->solved.adapted, adaptation(out->c, journal.options), journal, *r.edge_cracks);
     if (jobs.validate && sound) r.validate = validate_expansion(out->c, body_of(out->c, out->solved.adapted), journal);
     if (jobs.grow && sound) r.growth = grow_cracks(out->c, adaptation(out->c, journal.options), journal);
     if (jobs.optimize && sound) {

@@ -94,6 +94,41 @@ Picture mesh_picture(const std::string& title, const Mesh& mesh) {
   return p;
 }
 
+Picture edge_crack_picture(const std::string& title, const Mesh& mesh, const inspect::EdgeCrackMap& map,
+                           const Units& units) {
+  Picture p = mesh_picture(title, mesh);
+  p.edges = false;
+  p.subtitle = fmt::format("K of a crack of length {:.3g} that begins there; gray: masked; crosses: the worst places",
+                           map.length);
+  p.value_label = "K";
+  p.dimension = dimension::stress_intensity;
+  p.units = units;
+  Vec2 low = mesh.points.front(), high = low;
+  for (const Vec2& x : mesh.points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double width = 0.015 * (high - low).norm();  // of the ribbon along the boundary
+  p.points.clear();
+  p.triangles.clear();
+  p.values.resize(3, 2 * static_cast<Eigen::Index>(map.places.size()));
+  double most = 0;
+  for (std::size_t i = 0; i < map.places.size(); ++i) {
+    const inspect::EdgeCrack& crack = map.places[i];
+    const Vec2 half = 0.5 * crack.along * Vec2(crack.inward.y(), -crack.inward.x());
+    const auto first = static_cast<Index>(p.points.size());
+    for (const Vec2& x : {Vec2(crack.at - half), Vec2(crack.at + half), Vec2(crack.at + half + width * crack.inward),
+                          Vec2(crack.at - half + width * crack.inward)})
+      p.points.push_back(x);
+    p.triangles.push_back({first, first + 1, first + 2});
+    p.triangles.push_back({first, first + 2, first + 3});
+    const bool shown = crack.masked == inspect::Masked::No;
+    p.values.middleCols(2 * static_cast<Eigen::Index>(i), 2).setConstant(shown ? crack.K : nan);
+    if (shown) most = std::max(most, crack.K);
+  }
+  p.range = {0, most > 0 ? most : 1};
+  for (std::size_t i = 0; i < map.worst.size(); ++i)
+    p.marks.emplace_back(map.places[map.worst[i]].at, std::to_string(i + 1));
+  return p;
+}
+
 namespace {
 
 /// The edges of every label, so that one look at the mesh is enough for all of them.

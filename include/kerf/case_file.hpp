@@ -2,6 +2,7 @@
 // A case file, read and checked. toml++ lives in reader.cpp and nowhere else.
 
 #include "kerf/bounds.hpp"
+#include "kerf/edge_cracks.hpp"
 #include "kerf/growth.hpp"
 #include "kerf/inverse.hpp"
 #include "kerf/mesh_file.hpp"
@@ -151,7 +152,11 @@ struct Case {
   std::vector<Vec2> half_tips = {};      // of cracks in these planes
   std::vector<PointPatch> patches = {};  // in the order of [[load]], then [[boundary]]
   std::optional<MapJob> map;
-  std::optional<ValidationRequest> validate;  // the perturbation is that of the map
+  std::optional<ValidationRequest> validate;                  // the perturbation is that of the map
+  std::optional<inspect::EdgeCrackRequest> edge_cracks = {};  // instead of `map`, and
+  std::vector<double> drawn_lengths = {};                     // of `validate`
+  std::optional<inspect::ToleranceRequest> tolerance = {};
+  std::vector<Vec2> drawn_at = {};  // none: the worst places
   std::vector<Probe> probes;
   std::optional<BoundsRequest> bounds;
   std::optional<growth::GrowRequest> grow;

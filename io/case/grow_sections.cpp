@@ -60,18 +60,6 @@ std::function<double(double)> of_direction(const Value& field) {
   }
 }
 
-void read_law(const Value& law, growth::GrowRequest& to) {
-  const std::string kind = choice(need(law, "kind"));
-  allow_only(law, kind);
-  if (kind != "quasi-static") {
-    to.law = fatigue_law(law, kind);
-    return;
-  }
-  to.toughness = in_range(need(law, "K_c"));
-  take(law, "K_IIc", to.toughness_shear);
-  if (const auto formula = find(law, "anisotropy")) to.anisotropy = of_direction(*formula);
-}
-
 growth::RegionLaw read_region(const Value& table, const Case& c) {
   allow_only(table);
   const Value name = need(table, "name"), law = need(table, "law");
@@ -122,6 +110,15 @@ void read_spectrum(const Value& file, const std::filesystem::path& folder, growt
 
 }  // namespace
 
+void read_growth_law(const Value& law, growth::GrowRequest& to) {
+  const std::string kind = choice(need(law, "kind"));
+  allow_only(law, kind);
+  if (kind == "quasi-static")
+    to.toughness = in_range(need(law, "K_c"));
+  else
+    to.law = fatigue_law(law, kind);
+}
+
 void read_grow(const Value& document, const std::filesystem::path& folder, Case& c) {
   const auto table = find_table(document, "grow");
   if (!table) return;
@@ -133,7 +130,12 @@ void read_grow(const Value& document, const std::filesystem::path& folder, Case&
              "grow: their tip is the point where two sides meet; draw the whole body with a [[crack]]",
              c.half_tips[0].x(), c.half_tips[0].y()));
   growth::GrowRequest& to = c.grow.emplace();
-  read_law(need(*table, "law"), to);
+  const Value law = need(*table, "law");
+  read_growth_law(law, to);
+  if (to.toughness) {
+    take(law, "K_IIc", to.toughness_shear);
+    if (const auto formula = find(law, "anisotropy")) to.anisotropy = of_direction(*formula);
+  }
   for (const Value& region : find_tables(*table, "region")) {
     to.regions.push_back(read_region(region, c));
     if (std::ranges::count(to.regions, to.regions.back().region, &growth::RegionLaw::region) > 1)

@@ -37,8 +37,9 @@ constexpr std::array<View, 13> functional_kinds{
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
-constexpr std::array<View, 3> perturbation_words{"hole", "clamped_hole", "crack"};
+constexpr std::array<View, 4> perturbation_words{"hole", "clamped_hole", "crack", "edge_crack"};
 constexpr std::array<View, 1> from_map{"map"};
+constexpr std::array<View, 1> worst_words{"worst"};
 constexpr std::array<View, 1> counted{"auto"};
 constexpr KeyWords drawn_laws = KeyWords(crack_law_words).first(2);  // a crack that is sought has faces
 
@@ -566,7 +567,9 @@ constexpr Key rows[] = {
      {.words = perturbation_words},
      "What is put into the body at a point. hole: free and circular; clamped_hole: u = 0 on the circle; crack: length "
      "2 eps, in unilateral contact, the worst direction; { young, poisson }: a circular inclusion; { aspect }: a free "
-     "elliptic hole of area pi eps^2, the direction with the least T.",
+     "elliptic hole of area pi eps^2, the direction with the least T; edge_crack: K of a crack of a given length at "
+     "every "
+     "place of the boundary instead of T, in edge_cracks.csv and edge_cracks.png.",
      "{ young = 2.0, poisson = 0.3 }",
      "\"hole\""},
     {"map.perturbation.young",
@@ -580,7 +583,35 @@ constexpr Key rows[] = {
      "Its Poisson's ratio.",
      "0.3"},
     {"map.perturbation.aspect", Number, {.range = {1, 100}, .one_of = true}, "Ratio of the axes of an ellipse.", "3"},
-    {"map.points", PointList, {}, "Candidate points.", "[[0.5, 0.5]]", "everywhere in the body"},
+    {"map.points",
+     PointList,
+     {},
+     "Candidate points. Of edge_crack: the nearest places of the boundary.",
+     "[[0.5, 0.5]]",
+     "everywhere in the body"},
+    {"map.length",
+     Number,
+     {.range = above_zero},
+     "Of edge_crack, and required there: the length of the crack, as the largest one that an inspection misses.",
+     "0.5"},
+    {"map.angle",
+     Number | Word,
+     {.range = {30, 150}, .words = worst_words},
+     "Of edge_crack: degrees from the boundary, the body to its left; 90: normal. worst: the largest K.",
+     "90",
+     "\"worst\""},
+    {"map.friction",
+     Number,
+     {.range = not_negative},
+     "Of edge_crack: Coulomb's coefficient of its faces where pressure closes them.",
+     "0.3",
+     "0"},
+    {"map.pressurized",
+     Boolean,
+     {},
+     "Of edge_crack: the pressure on the boundary acts in the crack, too.",
+     "true",
+     "false"},
     {"map.bounds",
      Boolean,
      {},
@@ -609,6 +640,17 @@ constexpr Key rows[] = {
      "0.01",
      "the smallest of validate.radii, else 0.005 of the body's diagonal"},
 
+    {"inspect",
+     Table,
+     {},
+     "What the edge cracks of [map] do to the life of the part: critical lengths, cycles from map.length to them, "
+     "intervals between inspections, per place of the boundary."},
+    {"inspect.law", Table, {.required = true, .like = "grow.law"}, "As grow.law; quasi-static: the toughness alone."},
+    {"inspect.cycle", Table, {}, "The largest and the least load of a cycle, as factors of the loads of the case."},
+    {"inspect.cycle.max", Number, {.range = above_zero}, "The largest.", "1.2", "1"},
+    {"inspect.cycle.min", Number, {}, "The least, below max; below 0 faces touch, K is 0.", "0.1", "0"},
+    {"inspect.factor", Number, {.range = {1, infinity}}, "Cycles over those between two inspections.", "3", "2"},
+
     {"validate", Table, {}, "Is the map right? Holes of several radii are made at some points and compared with it."},
     {"validate.points",
      PointList,
@@ -620,7 +662,8 @@ constexpr Key rows[] = {
     {"validate.radii",
      Numbers | Table,
      {.range = above_zero, .required = true},
-     "Different radii. Give four or more: the fit has three unknowns.",
+     "Different radii. Give four or more: the fit has three unknowns. Of edge_crack: lengths of cracks that are drawn "
+     "and solved.",
      "{ largest = 0.2, ratio = 0.5, count = 6 }"},
     {"validate.radii.largest", Number, {.range = above_zero, .required = true}, "The first radius.", "0.2"},
     {"validate.radii.ratio",

@@ -1,10 +1,11 @@
-// [map] and [validate]: the change that the topological derivative is taken for (a hole, a clamped hole, an inclusion,
-// an ellipse of an aspect, a crack), the points or the whole body, and the radii of validations, sorted from the
-// largest on. Radii are r_k = largest ratio^k where a table says so. The radius of the map itself is map.radius, or the
-// smallest of the validation, or 0.005 of the extent. docs/theory/topological_derivatives.md,
+// [map], [inspect] and [validate]: the change that the topological derivative is taken for (a hole, a clamped hole, an
+// inclusion, an ellipse of an aspect, a crack), the points or the whole body, and the radii of validations, sorted from
+// the largest on. Radii are r_k = largest ratio^k where a table says so. The radius of the map itself is map.radius, or
+// the smallest of the validation, or 0.005 of the extent. docs/theory/topological_derivatives.md,
 // docs/theory/validation.md.
 
 #include "io/case/sections.hpp"
+#include "io/words.hpp"
 
 #include <fmt/format.h>
 
@@ -92,14 +93,61 @@ std::vector<double> read_radii(const Value& field, const Case& c) {
   return radii;
 }
 
+/// [map] of edge cracks.
+void read_edge_cracks(const Value& map, Case& c) {
+  for (const char* key : {"bounds", "second", "radius"})
+    if (const auto given = find(map, key))
+      fail(given->node->position,
+           fmt::format("{} is not for perturbation = \"edge_crack\", whose size is length", given->name));
+  inspect::EdgeCrackRequest& to = c.edge_cracks.emplace();
+  to.length = radius(need(map, "length"), c);
+  if (const auto angle = find(map, "angle"); angle && angle->node->kind == Node::Kind::String) {
+    if (text(*angle) != "worst")
+      fail(angle->node->position, fmt::format("{} is \"worst\" or degrees, not {}", angle->name, quote(text(*angle))));
+  } else if (angle) {
+    to.angle = in_range(*angle) * pi / 180;
+  }
+  take(map, "friction", to.friction);
+  take(map, "pressurized", to.pressurized);
+  if (const auto at = find(map, "points")) to.points = points(*at, 1);
+}
+
+void read_inspect(const Value& document, Case& c) {
+  const auto table = find_table(document, "inspect");
+  if (!table) return;
+  allow_only(*table);
+  if (!c.edge_cracks)
+    fail(table->node->position,
+         "[inspect] goes with perturbation = \"edge_crack\" in [map], whose length is that of "
+         "the crack that an inspection misses");
+  growth::GrowRequest law;
+  read_growth_law(need(*table, "law"), law);
+  inspect::ToleranceRequest& to = c.tolerance.emplace();
+  to.toughness = law.toughness;
+  to.law = law.law;
+  if (const auto cycle = find(*table, "cycle")) {
+    allow_only(*cycle);
+    take(*cycle, "max", to.max);
+    take(*cycle, "min", to.min);
+    if (!(to.min < to.max)) fail(cycle->node->position, cycle->name + ": min must be below max");
+  }
+  take(*table, "factor", to.factor);
+}
+
 }  // namespace
 
 void read_map(const Value& document, Case& c) {
   double default_radius = 0.005 * extent(c.shape);
   const auto map = find_table(document, "map"), validate = find_table(document, "validate");
-  if (map) {
-    allow_only(*map);
-    if (const auto given = find(*map, "perturbation")) c.map_request.perturbation = read_perturbation(*given, c);
+  if (map) allow_only(*map);
+  const auto given = map ? find(*map, "perturbation") : std::nullopt;
+  if (given && given->node->kind == Node::Kind::String && text(*given) == "edge_crack") {
+    read_edge_cracks(*map, c);
+  } else if (map) {
+    for (const char* key : {"length", "angle", "friction", "pressurized"})
+      if (const auto of_edges = find(*map, key))
+        fail(of_edges->node->position, of_edges->name + " goes with perturbation = \"edge_crack\"");
+    if (given) c.map_request.perturbation = read_perturbation(*given, c);
     c.map.emplace();
     if (const auto at = find(*map, "points")) {
       if (at->node->kind == Node::Kind::Array && at->node->items.empty())
@@ -110,7 +158,12 @@ void read_map(const Value& document, Case& c) {
     take(*map, "second", c.map_request.second);
     if (const auto given = find(*map, "radius")) c.map_request.radius = radius(*given, c);
   }
-  if (validate) {
+  read_inspect(document, c);
+  if (validate && c.edge_cracks) {
+    allow_only(*validate);
+    if (const auto at = find(*validate, "points")) c.drawn_at = points(*at, 1);
+    c.drawn_lengths = read_radii(need(*validate, "radii"), c);
+  } else if (validate) {
     allow_only(*validate);
     c.validate.emplace();
     if (const auto at = find(*validate, "points"))

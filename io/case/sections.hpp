@@ -109,8 +109,11 @@ Design read_design(const Value& optimize, const Case& c);
 /// element that does not exist is reported.
 Element read_element(const Value& table, const Value& blamed, const Element& otherwise);
 
-/// [map] and [validate].
+/// [map], [inspect] and [validate].
 void read_map(const Value& document, Case& c);
+
+/// The table `law` of [grow] and of [inspect].
+void read_growth_law(const Value& law, growth::GrowRequest& to);
 
 /// The constants of a table with young and poisson, and of an orthotropic material with young = [E1, E2] and shear.
 Elastic read_elastic(const Value& table);

@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "io/result/bounded_json.hpp"
+#include "io/result/edge_crack_columns.hpp"
 #include "io/result/growth_columns.hpp"
 #include "io/result/read_tables.hpp"
 
@@ -525,6 +526,66 @@ GrowthResult read_growth(const Json& from) {
   return out;
 }
 
+/// The value of an enum by its word.
+template <typename Enum>
+Enum by_word(const Json& from, const char* key, std::initializer_list<Enum> values) {
+  const std::string given = text(from, key);
+  for (const Enum value : values)
+    if (word(value) == given) return value;
+  throw Damage{};
+}
+
+inspect::EdgeCrack read_edge_crack(const Json& from) {
+  using inspect::Masked;
+  inspect::EdgeCrack crack;
+  crack.at = read_place(from.at("at"));
+  crack.inward = read_place(from.at("inward"));
+  crack.angle = read_number(from, "angle_deg") * pi / 180;
+  for (const auto& [name, member] : columns_of_edge_crack) crack.*member = read_number(from, name);
+  crack.closed = from.at("closed").get<bool>();
+  crack.masked = by_word(from, "masked",
+                         {Masked::No, Masked::Support, Masked::Reentrant, Masked::Convex, Masked::Near, Masked::Rough});
+  return crack;
+}
+
+EdgeCrackResult read_edge_cracks(const Json& from) {
+  using inspect::Tolerated;
+  EdgeCrackResult e{.length = read_number(from, "length"),
+                    .friction = read_number(from, "friction"),
+                    .pressurized = from.at("pressurized").get<bool>(),
+                    .places = whole(from, "places"),
+                    .masked_share = read_number(from, "masked_share"),
+                    .worst = {},
+                    .asked = from.at("asked").get<bool>()};
+  if (const auto angle = maybe(from, "angle_deg")) e.angle = *angle * pi / 180;
+  if (from.contains("law")) {
+    e.law = text(from, "law");
+    e.factor = read_number(from, "factor");
+    e.open_share = read_number(from, "open_share");
+    if (from.contains("shortest_critical")) e.safe = read_placed(from["shortest_critical"]);
+  }
+  for (const Json& w : list(from, "worst")) {
+    EdgeCrackResult::Row& row = e.worst.emplace_back();
+    row.crack = read_edge_crack(w);
+    if (e.law.empty()) continue;
+    row.tolerance.how =
+        by_word(w, "tolerated", {Tolerated::Unknown, Tolerated::Critical, Tolerated::AtLeast, Tolerated::Rests});
+    for (const auto& [name, member] : columns_of_tolerance) row.tolerance.*member = read_number(w, name);
+  }
+  for (const Json& d : list(from, "drawn")) {
+    inspect::DrawnPlace& place = e.drawn.emplace_back();
+    place.crack = read_edge_crack(d.at("crack"));
+    place.verdict = verdict(text(d, "verdict"));
+    place.reason = text(d, "reason");
+    for (const Json& r : list(d, "rows")) {
+      inspect::DrawnEdge& row = place.rows.emplace_back();
+      for (const auto& [name, member] : columns_of_drawn_edge) row.*member = read_number(r, name);
+      row.valid = r.at("valid").get<bool>();
+    }
+  }
+  return e;
+}
+
 Seconds seconds(const Json& from) {
   Seconds s{.total = read_number(from, "total")};
   for (const TimedPhase& phase : timed_phases)
@@ -567,6 +628,7 @@ Result from_json(const Json& from) {
   if (from.contains("growth")) r.growth = read_growth(from["growth"]);
   if (from.contains("functional")) r.functional = functional(from["functional"]);
   if (from.contains("map")) r.map = map(from["map"]);
+  if (from.contains("edge_cracks")) r.edge_cracks = read_edge_cracks(from["edge_cracks"]);
   if (from.contains("validate")) {
     r.validate = ValidationResult{};
     for (const Json& v : from["validate"]) {

@@ -7,6 +7,7 @@
 #include "io/result.hpp"
 
 #include "io/files.hpp"
+#include "io/result/edge_crack_columns.hpp"
 #include "io/result/growth_columns.hpp"
 #include "io/text.hpp"
 #include "io/validation.hpp"
@@ -268,6 +269,56 @@ Json growth_section(const GrowthResult& growth) {
   if (growth.unstable_from) out["unstable_from"] = *growth.unstable_from;
   if (growth.snaps_back_from) out["snaps_back_from"] = *growth.snaps_back_from;
   if (growth.bounds) out["bounds"] = intervals(*growth.bounds, intervals_of_path);
+  return out;
+}
+
+Json edge_crack(const inspect::EdgeCrack& crack) {
+  Json out = {
+      {"at", place_of(crack.at)}, {"inward", place_of(crack.inward)}, {"angle_deg", number(crack.angle * 180 / pi)}};
+  for (const auto& [name, member] : columns_of_edge_crack) out[name] = number(crack.*member);
+  out["closed"] = crack.closed;
+  out["masked"] = word(crack.masked);
+  return out;
+}
+
+Json edge_cracks_section(const EdgeCrackResult& e) {
+  Json worst = Json::array(), drawn = Json::array();
+  for (const EdgeCrackResult::Row& row : e.worst) {
+    Json out = edge_crack(row.crack);
+    if (!e.law.empty()) {
+      out["tolerated"] = word(row.tolerance.how);
+      for (const auto& [name, member] : columns_of_tolerance) out[name] = number(row.tolerance.*member);
+    }
+    worst.push_back(std::move(out));
+  }
+  for (const inspect::DrawnPlace& place : e.drawn) {
+    Json rows = Json::array();
+    for (const inspect::DrawnEdge& row : place.rows) {
+      Json out;
+      for (const auto& [name, member] : columns_of_drawn_edge) out[name] = number(row.*member);
+      out["valid"] = row.valid;
+      rows.push_back(std::move(out));
+    }
+    drawn.push_back({{"crack", edge_crack(place.crack)},
+                     {"verdict", word(place.verdict)},
+                     {"reason", place.reason},
+                     {"rows", std::move(rows)}});
+  }
+  Json out = {{"length", number(e.length)}};
+  if (e.angle) out["angle_deg"] = number(*e.angle * 180 / pi);
+  out["friction"] = number(e.friction);
+  out["pressurized"] = e.pressurized;
+  out["places"] = e.places;
+  out["masked_share"] = number(e.masked_share);
+  out["asked"] = e.asked;
+  out["worst"] = std::move(worst);
+  if (!e.law.empty()) {
+    out["law"] = e.law;
+    out["factor"] = number(e.factor);
+    if (e.safe) out["shortest_critical"] = placed(*e.safe);
+    out["open_share"] = number(e.open_share);
+  }
+  if (!drawn.empty()) out["drawn"] = std::move(drawn);
   return out;
 }
 
@@ -611,6 +662,7 @@ void write_json(const std::filesystem::path& path, const Result& result, Flush f
   if (result.growth) out["growth"] = growth_section(*result.growth);
   if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);
+  if (result.edge_cracks) out["edge_cracks"] = edge_cracks_section(*result.edge_cracks);
   if (result.validate) out["validate"] = validate_section(*result.validate);
   if (result.optimize) out["optimize"] = optimize_section(*result.optimize, result.optimize_names);
   if (result.fit) out["optimize"]["least_squares"] = fit_section(*result.fit, result.optimize_names);

@@ -377,6 +377,47 @@ void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
   for (const std::string& note : g.notes) add_sentence(out, "", clean_text(note));
 }
 
+/// "(1, 0): K 12.3 MPa, 90 degrees, critical at 3.4"
+std::string in_words(const EdgeCrackResult::Row& row, bool tolerance, const Units& u) {
+  const inspect::EdgeCrack& crack = row.crack;
+  std::string line = fmt::format("({:.6g}, {:.6g}): ", crack.at.x(), crack.at.y());
+  if (crack.masked != inspect::Masked::No) return line + fmt::format("masked ({})", word(crack.masked));
+  line += fmt::format("K {:.4g}{}, {:.0f} degrees{}, good up to a length of {:.3g}", crack.K,
+                      with_blank(unit(u, dimension::stress_intensity)), crack.angle * 180 / pi,
+                      crack.closed ? ", closed" : "", crack.valid_length);
+  if (!tolerance) return line;
+  const inspect::Tolerance& t = row.tolerance;
+  if (std::isfinite(t.critical_length)) line += fmt::format("; critical at {:.4g}", t.critical_length);
+  if (t.how == inspect::Tolerated::Rests) return line + "; it does not grow";
+  if (std::isfinite(t.cycles))
+    line += fmt::format("; {}{:.4g} cycles, inspect every {:.4g}",
+                        t.how == inspect::Tolerated::AtLeast ? "at least " : "", t.cycles, t.interval);
+  return line;
+}
+
+void add_edge_cracks(std::string& out, const EdgeCrackResult& e, const Units& u) {
+  add_sentence(out, "edge cracks",
+               fmt::format("of length {:.4g}{} at {} places of the boundary{}; {:.0f} % of it is masked", e.length,
+                           with_blank(unit(u, dimension::length)), e.places,
+                           e.angle ? fmt::format(", at {:g} degrees", *e.angle * 180 / pi) : ", in the worst direction",
+                           100 * e.masked_share));
+  if (e.worst.empty()) add_sentence(out, "", "no place that is not masked has K > 0");
+  for (const EdgeCrackResult::Row& row : e.worst) add_sentence(out, "", in_words(row, !e.law.empty(), u));
+  if (!e.law.empty())
+    add_sentence(out, "",
+                 e.safe
+                     ? fmt::format("no crack shorter than {:.4g} is critical, first at ({:.6g}, {:.6g}); on {:.0f} % "
+                                   "of the boundary that is not known",
+                                   e.safe->value, e.safe->at.x(), e.safe->at.y(), 100 * e.open_share)
+                     : fmt::format("no crack is critical as far as the expansion holds; on {:.0f} % of the boundary "
+                                   "nothing is known",
+                                   100 * e.open_share));
+  for (const inspect::DrawnPlace& place : e.drawn)
+    add_sentence(out, "",
+                 fmt::format("drawn at ({:.6g}, {:.6g}): {}: {}", place.crack.at.x(), place.crack.at.y(),
+                             word(place.verdict), place.reason));
+}
+
 void add_times(std::string& out, const Result& result) {
   const Seconds& s = result.seconds;
   std::vector<std::string> items = {fmt::format("total {:.3f} s", s.total)};
@@ -481,6 +522,7 @@ std::string summary(const Result& result) {
   if (result.bounds) add_bounds(out, *result.bounds, u, of_map);
   if (result.functional) add_functional(out, *result.functional, of_functional);
   if (result.map) add_map(out, *result.map, of_map);
+  if (result.edge_cracks) add_edge_cracks(out, *result.edge_cracks, u);
   if (result.validate) add_validation(out, *result.validate);
   if (result.growth) add_growth(out, *result.growth, u);
   if (result.optimize) add_optimization(out, *result.optimize, result.optimize_names, of_functional);

@@ -100,6 +100,7 @@ std::string page(const Result& r, const PageData& data) {
   out += cracks_section(r);
   if (!r.steps.empty()) out += steps_section(r);
   if (r.growth) out += growth_section(*r.growth, data);
+  if (r.edge_cracks) out += edge_cracks_section(*r.edge_cracks, r.units);
   if (r.bounds) out += bounds_section(r);
   if (r.validate) out += validation_section(r);
   if (r.optimize) out += optimize_section(r, data);

@@ -28,6 +28,8 @@ std::string load_cases_section(const Result& result);
 std::string steps_section(const Result& result);
 /// Curves and a table of cracks that grew.
 std::string growth_section(const GrowthResult& growth, const PageData& data);
+/// The worst edge cracks and what they do to the life, and those that were drawn.
+std::string edge_cracks_section(const EdgeCrackResult& cracks, const Units& units);
 /// Where quantities are bounded.
 std::string bounds_section(const Result& result);
 std::string validation_section(const Result& result);

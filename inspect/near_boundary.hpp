@@ -1,0 +1,35 @@
+#pragma once
+// The stress of a state near places of its boundary, and K there for any length.
+
+#include "inspect/boundary.hpp"
+#include "inspect/expansion.hpp"
+#include "kerf/edge_cracks.hpp"
+#include "solver/recover_stress.hpp"
+
+namespace kerf::inspect {
+
+class NearBoundary {
+ public:
+  /// `model` and `state` must outlive it.
+  NearBoundary(const Model& model, const State& state, double friction, bool pressurized);
+  const std::vector<Place>& places() const {
+    return places_;
+  }
+  /// At a given angle, or the worst one for that length.
+  EdgeCrack at(const Place& place, double length, std::optional<double> angle) const;
+  /// Of the loads on the boundary, 0 for a pull.
+  double pressure_on(const Place& place) const;
+
+ private:
+  const Model& model_;
+  const State& state_;
+  Mouths mouths_;
+  bool pressurized_;
+  Corners corners_;
+  RecoveredStress recovered_;
+  Locator locator_;
+  std::vector<Place> places_;
+  std::optional<LocalStress> stress_near(const Place& place, double length) const;
+};
+
+}  // namespace kerf::inspect

@@ -1,0 +1,17 @@
+#pragma once
+// Critical lengths and lives of cracks at places of the boundary.
+
+#include "inspect/near_boundary.hpp"
+
+namespace kerf::inspect {
+
+/// Throws Error(Usage).
+void check(const ToleranceRequest& request);
+
+/// `crack`: that of `length` at the place, whose line it keeps.
+Tolerance tolerate(const NearBoundary& near, const Place& place, const EdgeCrack& crack, double length,
+                   const ToleranceRequest& request);
+
+void set_safe_length(const std::vector<Place>& places, EdgeCrackMap& map);
+
+}  // namespace kerf::inspect
