@@ -143,6 +143,20 @@ ManualValue read_value(const Node& node, const ManualEntry& entry) {
   return value;
 }
 
+ManualReference read_reference(const Node& node) {
+  const Table table(node, {"name", "title", "points"});
+  ManualReference r{table.needed_text("name"), table.needed_text("title"), {}};
+  if (r.name.find_first_of(" :") != std::string::npos) refuse(table.position(), "name has neither blanks nor colons");
+  const auto is_number = [](const Node& n) { return n.kind == Node::Kind::Float || n.kind == Node::Kind::Integer; };
+  for (const Node& point : table.items("points")) {
+    if (point.kind != Node::Kind::Array || point.items.size() != 2 || !std::ranges::all_of(point.items, is_number))
+      refuse(point.position, "points is a list of pairs");
+    r.points.emplace_back(point.items[0].number, point.items[1].number);
+  }
+  if (r.points.empty()) refuse(table.position(), "points is missing");
+  return r;
+}
+
 }  // namespace
 
 std::vector<std::string> manual_ids() {
@@ -168,7 +182,7 @@ ManualEntry read_manual(const std::string& id, const std::filesystem::path& fold
 ManualEntry read_manual_file(const std::filesystem::path& path) {
   const Node document = read_document(path);
   const Table table(document, {"title", "group", "setup", "source", "check", "impossible", "picture", "case", "quick",
-                               "run", "again", "value"});
+                               "run", "again", "value", "reference"});
   ManualEntry entry{.id = path.stem().string(),
                     .title = table.needed_text("title"),
                     .group = table.needed_text("group"),
@@ -181,7 +195,8 @@ ManualEntry read_manual_file(const std::filesystem::path& path) {
                     .quick = table.flag("quick"),
                     .runs = {},
                     .again = table.texts("again"),
-                    .values = {}};
+                    .values = {},
+                    .references = {}};
   if (entry.case_text.empty() == entry.impossible.empty())
     refuse(table.position(), "a benchmark has either a case, or the reason why it is impossible");
   if (entry.picture.empty()) entry.picture = "von_mises.png";
@@ -190,6 +205,7 @@ ManualEntry read_manual_file(const std::filesystem::path& path) {
     entry.runs.push_back({run.needed_text("name"), run.texts("set")});
   }
   if (entry.runs.empty()) entry.runs.emplace_back();
+  for (const Node& node : table.items("reference")) entry.references.push_back(read_reference(node));
   for (const Node& node : table.items("value")) entry.values.push_back(read_value(node, entry));
   if (entry.values.empty()) refuse(table.position(), "a benchmark needs at least one value");
   return entry;

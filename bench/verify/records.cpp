@@ -1,10 +1,11 @@
 // Numbers of a run from its files, for the manual: "/state/energy" is a place in result.json, "file.csv:row:column" a
-// cell of a table, the row by its number from 0, or max or min of the column; and the manual's results as a table and
-// as JSON. An empty cell is NaN; a place that is not there is an error. Lines of the tables are split at commas: the
-// manual names no column with quotes.
+// cell of a table (bench/verify/manual.hpp), "path:..." one of a crack that has grown; and the manual's results as a
+// table and as JSON. An empty cell is NaN; a place that is not there is an error. Lines of the tables are split at
+// commas: the manual names no column with quotes.
 
 #include "bench/verify/records.hpp"
 
+#include "bench/verify/paths.hpp"
 #include "io/csv.hpp"
 #include "io/files.hpp"
 #include "io/words.hpp"
@@ -50,26 +51,70 @@ double number_in(const std::string& text) {
   return value;
 }
 
+/// Rows of cells by the names of their columns.
+struct CsvTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<std::string>> rows;
+
+  explicit CsvTable(const std::string& text) {
+    std::istringstream in(text);
+    std::string line;
+    std::getline(in, line);
+    names = split(line, ',');
+    while (std::getline(in, line))
+      if (auto cells = split(line, ','); !cells.empty()) rows.push_back(std::move(cells));
+  }
+
+  std::size_t column(const std::string& name) const {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  }
+  /// A last cell that is empty is none: NaN stands for it, so that rows keep their numbers. No such column: empty.
+  std::vector<double> values(const std::string& name) const {
+    std::vector<double> out;
+    const std::size_t k = column(name);
+    if (k < names.size())
+      for (const auto& cells : rows) out.push_back(k < cells.size() ? number_in(cells[k]) : nan);
+    return out;
+  }
+  void keep_tip(const std::string& tip) {
+    const std::size_t k = column("tip");
+    std::erase_if(rows, [&](const auto& cells) { return k >= cells.size() || cells[k] != tip; });
+  }
+};
+
+/// Linear between the first two rows around x = value.
+double interpolated(const std::vector<double>& x, const std::vector<double>& y, double value) {
+  for (std::size_t i = 0; i + 1 < std::min(x.size(), y.size()); ++i) {
+    const double from = x[i] - value, to = x[i + 1] - value;
+    if (from * to <= 0 && from != to) return y[i] + from / (from - to) * (y[i + 1] - y[i]);
+  }
+  return nan;
+}
+
 double read_cell(const std::filesystem::path& folder, const std::string& where) {
-  const std::vector<std::string> parts = split(where, ':');
-  if (parts.size() != 3) throw Error(Fault::Usage, fmt::format("{} is no place in a file", quote(where)));
-  std::istringstream in(read_file(folder / parts[0]));
-  std::string line;
-  std::getline(in, line);
-  const std::vector<std::string> names = split(line, ',');
-  const auto column = static_cast<std::size_t>(std::ranges::find(names, parts[2]) - names.begin());
-  std::vector<double> values;  // a last cell that is empty is none: NaN stands for it, so that rows keep their numbers
-  while (column < names.size() && std::getline(in, line))
-    if (const auto cells = split(line, ','); !cells.empty())
-      values.push_back(column < cells.size() ? number_in(cells[column]) : nan);
+  const std::size_t first = where.find(':'), last = where.rfind(':');
+  if (last == std::string::npos || first == last)
+    throw Error(Fault::Usage, fmt::format("{} is no place in a file", quote(where)));
+  CsvTable table(read_file(folder / where.substr(0, first)));
+  std::string row = where.substr(first + 1, last - first - 1);
+  if (const std::size_t at = row.find('@'); at != std::string::npos) {
+    table.keep_tip(row.substr(0, at));
+    row = row.substr(at + 1);
+  }
+  const std::vector<double> values = table.values(where.substr(last + 1));
   std::vector<double> known;
   std::ranges::copy_if(values, std::back_inserter(known), [](double v) { return std::isfinite(v); });
-  if (!known.empty() && parts[1] == "max") return *std::ranges::max_element(known);
-  if (!known.empty() && parts[1] == "min") return *std::ranges::min_element(known);
-  const double row = number_in(parts[1]);
-  if (!(row >= 0 && row < static_cast<double>(values.size())) || std::isnan(values[static_cast<std::size_t>(row)]))
-    throw Error(Fault::Usage, fmt::format("there is no cell {}", quote(where)));
-  return values[static_cast<std::size_t>(row)];
+  if (!known.empty() && row == "max") return *std::ranges::max_element(known);
+  if (!known.empty() && row == "min") return *std::ranges::min_element(known);
+  double value = nan;
+  if (const std::size_t equal = row.find('='); equal != std::string::npos) {
+    value = interpolated(table.values(row.substr(0, equal)), values, number_in(row.substr(equal + 1)));
+  } else {
+    const double number = row == "last" ? static_cast<double>(values.size()) - 1 : number_in(row);
+    if (number >= 0 && number < static_cast<double>(values.size())) value = values[static_cast<std::size_t>(number)];
+  }
+  if (std::isnan(value)) throw Error(Fault::Usage, fmt::format("there is no cell {}", quote(where)));
+  return value;
 }
 
 const char* relation(const ManualValue& value) {
@@ -96,8 +141,11 @@ Json value_record(const ManualValue& value, const VerifiedValue& found) {
 
 }  // namespace
 
-double read_number(const std::filesystem::path& folder, const std::string& where) {
-  return where.starts_with("/") ? read_pointer(folder, where) : read_cell(folder, where);
+double read_number(const std::filesystem::path& folder, const std::string& where,
+                   const std::vector<ManualReference>& references) {
+  return where.starts_with("/")       ? read_pointer(folder, where)
+         : where.starts_with("path:") ? read_path_number(folder, where, references)
+                                      : read_cell(folder, where);
 }
 
 void write_verify_csv(const std::filesystem::path& path, const VerifyBench& bench) {

@@ -9,6 +9,7 @@
 #include "app/run.hpp"
 #include "bench/measure/measure.hpp"
 #include "bench/verify/pages.hpp"
+#include "bench/verify/paths.hpp"
 #include "bench/verify/records.hpp"
 #include "io/files.hpp"
 #include "kerf/stop.hpp"
@@ -70,12 +71,18 @@ class Runner {
   double measured(const ManualValue& value, bool again) const {
     std::vector<std::pair<std::string, double>> numbers;
     for (const ManualValue::Take& take : value.takes)
-      numbers.emplace_back(take.name, read_number(place(take.run, again), take.where));
+      numbers.emplace_back(take.name, read_number(place(take.run, again), take.where, out_.entry.references));
     return value_of(value.quantity, numbers);
   }
 
   void draw_picture() {
-    const std::filesystem::path drawn = place(0, false) / out_.entry.picture;
+    std::filesystem::path drawn = place(0, false) / out_.entry.picture;
+    if (out_.entry.picture == "paths") {
+      std::vector<std::filesystem::path> runs;
+      for (std::size_t k = 0; k < out_.entry.runs.size(); ++k) runs.push_back(place(k, false));
+      drawn = folder_ / "paths.png";
+      draw_paths(drawn, out_.entry, runs);
+    }
     if (!std::filesystem::exists(drawn)) return;
     shrink(drawn, options_.pages / (out_.entry.id + ".png"), picture_width);
     out_.has_picture = true;

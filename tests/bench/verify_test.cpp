@@ -74,6 +74,9 @@ TEST_F(VerifyBenchTest, RefusesWhatIsNotWhole) {
   refused(head + "[[value]]\nname = 'v'\nquantity = 'K'\ntake = { K = '@fine /a' }\n" + right,
           "there is no run \"fine\"");
   refused(head + "quick = 1\n" + value + right, "quick is true or false");
+  const std::string reference = "[[reference]]\nname = 'r'\ntitle = 'R'\n";
+  refused(head + value + right + reference, "points is missing");
+  refused(head + value + right + reference + "points = [[1]]\n", "points is a list of pairs");
 }
 
 /// `kerf bench verify --write docs/validation` was run for the manual as it is.
@@ -158,11 +161,50 @@ TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
   EXPECT_EQ(read_number(folder, "probe_a.csv:min:s_xx"), -4);
   write_file(folder / "probe_b.csv", "x,s_xx\n0,\n1,7\n");
   EXPECT_EQ(read_number(folder, "probe_b.csv:1:s_xx"), 7);
-  for (const char* nothing : {"probe_b.csv:0:s_xx", "/cracks/1/tips/0/K_I", "/cracks/0/tips/0/K_II",
-                              "probe_a.csv:3:s_xx", "probe_a.csv:0:s_yy", "probe_a.csv:one:s_xx", "probe_a.csv"})
+  write_file(folder / "growth.csv", "step,tip,x,a\n0,c:end,0,1\n0,d:end,5,1\n1,c:end,1,2\n1,d:end,4,2\n2,d:end,2,4\n");
+  EXPECT_EQ(read_number(folder, "growth.csv:last:x"), 2);
+  EXPECT_EQ(read_number(folder, "growth.csv:c:end@last:x"), 1);
+  EXPECT_EQ(read_number(folder, "growth.csv:d:end@1:x"), 4);
+  EXPECT_EQ(read_number(folder, "growth.csv:d:end@a=3:x"), 3);
+  EXPECT_EQ(read_number(folder, "growth.csv:d:end@a=4:x"), 2);
+  EXPECT_EQ(read_number(folder, "growth.csv:c:end@max:a"), 2);
+  for (const char* nothing :
+       {"growth.csv:d:end@a=5:x", "growth.csv:e:end@0:x", "growth.csv:c:end@b=1:x", "growth.csv:c:end@2:x",
+        "growth.csv:last", "probe_b.csv:0:s_xx", "/cracks/1/tips/0/K_I", "/cracks/0/tips/0/K_II", "probe_a.csv:3:s_xx",
+        "probe_a.csv:0:s_yy", "probe_a.csv:one:s_xx", "probe_a.csv"})
     EXPECT_THROW(read_number(folder, nothing), Error) << nothing;
   EXPECT_DOUBLE_EQ(value_of("2*K/sqrt(pi*a)", {{"K", 3}, {"a", 1 / pi}}), 6);
   EXPECT_THROW(value_of("2*L"), Error);
+}
+
+/// Two cracks of a body that has grown; b is the image of a but for its last point, which is 0.01 off.
+TEST_F(VerifyBenchTest, ReadsPathsOfGrownBodies) {
+  write_file(folder / "grown.toml", R"([domain]
+outline = [[-2, -2], [2, -2], [2, 2], [-2, 2]]
+[[crack]]
+name = "a"
+path = [[-1.5, -1], [-0.5, -1], [0.5, -0.5], [0.5, -0.25]]
+[[crack]]
+name = "b"
+path = [[1.5, 1], [0.5, 1], [-0.5, 0.5], [-0.5, 0.26]]
+[material]
+young = 1
+poisson = 0.3
+)");
+  const auto at = [&](const std::string& what, const std::vector<ManualReference>& references = {}) {
+    return read_number(folder, "path:" + what, references);
+  };
+  EXPECT_DOUBLE_EQ(at("a:y@x=0"), -0.75);
+  EXPECT_DOUBLE_EQ(at("a:x@y=-0.75"), 0);
+  EXPECT_DOUBLE_EQ(at("a:s@x=-0.5"), 1);
+  EXPECT_DOUBLE_EQ(at("a:length"), 1.25 + std::sqrt(1.25));
+  EXPECT_DOUBLE_EQ(at("a:y@end"), -0.25);
+  EXPECT_DOUBLE_EQ(at("a:x@start"), -1.5);
+  EXPECT_NEAR(at("a:turned:b"), 0.01, 1e-12);
+  EXPECT_NEAR(at("b:turned:a"), 0, 1e-12);
+  EXPECT_NEAR(at("a:to:r", {{"q", "q", {Vec2(0, 0)}}, {"r", "r", {Vec2(-1, -1), Vec2(0.5, 0.05)}}}), 0.3, 1e-12);
+  for (const char* nothing : {"c:length", "a:x@x=2", "a:x@end=1", "a:z@end", "a:s@end", "a:to:r", "a:turned:c", "a"})
+    EXPECT_THROW(at(nothing), Error) << nothing;
 }
 
 }  // namespace
