@@ -5,9 +5,9 @@
 // The first piece from a tip that is loaded in shear is straight, at the kink angle; later ones are arcs that leave the
 // crack without a kink, drawn by chords as long as the edges at the tip: the path is C1 and its error of second order
 // in the step. K is linear in the load where faces do not change what they do, so that states at other loads are solved
-// only with gaps, with strains of their own, or where loads change their sign. A tip crosses the border of a region within a
-// step, whose length is such that it ends clear of the border, with rings for K in one material, and goes on by the law
-// of that region. docs/theory/growth.md.
+// only with gaps, with strains of their own, or where loads change their sign. A tip crosses the border of a region
+// within a step, whose length is such that it ends clear of the border, with rings for K in one material, and goes on
+// by the law of that region. docs/theory/growth.md.
 
 #include "kerf/growth.hpp"
 
@@ -327,13 +327,13 @@ class Growing {
           grown_.notes.push_back(fmt::format("{} stays as it is: it lies {}", name_of(shape_, end), on_border));
         continue;
       }
-      throw Error(Fault::Usage,
-                  fmt::format("grow.tips: {} cannot grow: {}", name_of(shape_, end),
-                              tip.on_border ? fmt::format("it lies {}; let it end before the border or behind it",
-                                                          on_border)
-                              : straight    ? "there is no K at this tip, beside which the mesh is too coarse or "
-                                              "something else is too near"
-                                            : "its crack is an arc; draw it as a path of short straight pieces"));
+      throw Error(
+          Fault::Usage,
+          fmt::format("grow.tips: {} cannot grow: {}", name_of(shape_, end),
+                      tip.on_border ? fmt::format("it lies {}; let it end before the border or behind it", on_border)
+                      : straight    ? "there is no K at this tip, beside which the mesh is too coarse or "
+                                      "something else is too near"
+                                    : "its crack is an arc; draw it as a path of short straight pieces"));
     }
     for (const CrackEnd& end : of_.tips)
       if (!now.tips.contains(end))
@@ -344,13 +344,12 @@ class Growing {
                   "[grow]: the body has no tip that can grow; a crack that is given by a path ends inside");
   }
 
-  /// The load factor along the growth, and the displacement at which the loads do their work: 2 abs(energy) of the state
-  /// times the factor where loads alone act. Where displacements alone are prescribed the two change their parts.
+  /// The load factor along the growth, and the displacement at which the loads do their work: 2 abs(energy) of the
+  /// state times the factor where loads alone act. Where displacements alone are prescribed the two change their parts.
   void find_instability() {
-    const bool pushed =
-                   !scene_.tractions.empty() || scene_.body ||
-                   std::ranges::any_of(scene_.laws, [](const CrackLaw& law) { return bool(law.pressure); }),
-               moved = std::ranges::any_of(scene_.supports, [](const Support& s) { return bool(s.value); });
+    const bool pushed = !scene_.tractions.empty() || scene_.body ||
+                        std::ranges::any_of(scene_.laws, [](const CrackLaw&law) { return bool(law.pressure); }),
+               moved = std::ranges::any_of(scene_.supports, [](const Support&s) { return bool(s.value); });
     if (of_.law || pushed == moved) return;
     for (std::size_t i = 0; i + 2 < grown_.steps.size(); ++i) {
       const auto point = [&](const GrowthStep& s) {
@@ -456,8 +455,8 @@ class Growing {
     tip.K_max = opening_direction(top).k.k_1;
     if (!of_.law) {
       const Direction towards = direction_of_growth(tip);
-      const double opens = of_.anisotropy ? std::sqrt(release_rate(towards.k, 1) / tough_towards(tip, towards.angle))
-                                          : tip.K_max;
+      const double opens =
+          of_.anisotropy ? std::sqrt(release_rate(towards.k, 1) / tough_towards(tip, towards.angle)) : tip.K_max;
       tip.dK = std::max(opens, std::abs(tip.K_II) * toughness(tip) / of_.toughness_shear);
       if (tip.dK <= nothing) tip.dK = 0;
       return;
@@ -701,8 +700,8 @@ class Growing {
   }
 
   struct Track;
-  /// Cycles at the points of a track. The rate jumps at borders: each of the two beside one stands up to there, and half
-  /// of that counts as error.
+  /// Cycles at the points of a track. The rate jumps at borders: each of the two beside one stands up to there, and
+  /// half of that counts as error.
   struct Counted {
     std::vector<double> cycles;
     double error = 0;
@@ -715,15 +714,16 @@ class Growing {
       const std::size_t last = k < track.borders.size() ? track.borders[k].point : track.x.size() - 1;
       const std::size_t count = last - from + 1;
       if (count > 1) {
-        const Life life = Life::of_rates(std::span(track.x).subspan(from, count), std::span(track.rates).subspan(from, count));
+        const Life life =
+            Life::of_rates(std::span(track.x).subspan(from, count), std::span(track.rates).subspan(from, count));
         for (const double cycles : life.cycles_at_points()) c.cycles.push_back(done + cycles);
         if (std::isfinite(life.error())) c.error += life.error();
       } else {
         c.cycles.push_back(done);
       }
       if (k == track.borders.size()) break;
-      const double border = track.borders[k].x,
-                   across = (border - track.x[last]) / track.rates[last] + (track.x[last + 1] - border) / track.rates[last + 1];
+      const double border = track.borders[k].x, across = (border - track.x[last]) / track.rates[last] +
+                                                         (track.x[last + 1] - border) / track.rates[last + 1];
       done = c.cycles.back() + across;
       c.error += across / 2;
       from = last + 1;
@@ -779,9 +779,9 @@ class Growing {
     // d(k_2/k_1) per radian: what turns the tip, and T along the piece [theory: G.7].
     const double along = (t.is_arc ? 4.0 / 3 : 2) * std::sqrt(2 / pi * tip.da) * tip.T / std::max(tip.K_I, tip.dK);
     t.slope = std::max(0.5 - along, 0.1);
-    t.search.emplace(t.turn, SymmetryOptions{.tolerance = symmetric,
-                                             .largest_turn = t.is_arc ? 2 * largest_turn : pi / 2,
-                                             .slope = t.slope});
+    t.search.emplace(
+        t.turn, SymmetryOptions{
+                    .tolerance = symmetric, .largest_turn = t.is_arc ? 2 * largest_turn : pi / 2, .slope = t.slope});
     return t;
   }
 

@@ -35,7 +35,9 @@ StateBounds bound_state(const Model& model, const State& state, std::span<const 
                         .K_II = of(b.K_II),
                         .G = of(b.G),
                         .guaranteed = b.K_I.guaranteed && b.K_II.guaranteed && b.G.guaranteed,
-                        .note = !b.K_I.guaranteed ? b.K_I.note : !b.K_II.guaranteed ? b.K_II.note : b.G.note});
+                        .note = !b.K_I.guaranteed    ? b.K_I.note
+                                : !b.K_II.guaranteed ? b.K_II.note
+                                                     : b.G.note});
   }
   return out;
 }

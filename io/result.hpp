@@ -341,8 +341,8 @@ void write_steps_csv(const std::filesystem::path& path, const std::vector<StepRe
 /// and by how much and which way it grows.
 void write_growth_csv(const std::filesystem::path& path, const GrowthResult& growth);
 
-/// beta.csv, what programs of lives read: per tip and step its length a (half of the crack where both ends grow), beta =
-/// K_max/(stress sqrt(pi a)), and K_max.
+/// beta.csv, what programs of lives read: per tip and step its length a (half of the crack where both ends grow), beta
+/// = K_max/(stress sqrt(pi a)), and K_max.
 void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, double stress);
 /// edge_cracks.csv: a row per place of the boundary, with its tolerance where that was asked for.
 void write_edge_cracks_csv(const std::filesystem::path& path, const inspect::EdgeCrackMap& map);

@@ -153,7 +153,8 @@ void declare(CommandLine& line, Arguments& arguments) {
       continue;
     }
     if (command.name == "run" || command.name == "optimize")
-      sub.flag("--resume", arguments.resume, "Go on with the optimization or the growth whose checkpoint is in the folder");
+      sub.flag("--resume", arguments.resume,
+               "Go on with the optimization or the growth whose checkpoint is in the folder");
     sub.number("--threads", arguments.threads, "Number of threads; default all cores", {1, 256});
     if (command.name == "run" || command.name == "solve" || command.name == "map" || command.name == "optimize")
       sub.number("--processes", arguments.processes,

@@ -49,7 +49,8 @@ Contours contours(const Shape& shape) {
   };
   add(shape.outline);
   for (const Loop& hole : shape.holes) add(hole);
-  for (const Crack& crack : shape.cracks) out.cracks.push_back(crack.arc ? points_on(*crack.arc, pieces) : crack.points);
+  for (const Crack& crack : shape.cracks)
+    out.cracks.push_back(crack.arc ? points_on(*crack.arc, pieces) : crack.points);
   return out;
 }
 
@@ -98,8 +99,7 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   growth::GrowthRecord before;
   if (journal.options.resume)
     if (const auto found = read_checkpoint(checkpoint)) before = growth_record(*found);
-  growth::Grown grown =
-      growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch, std::move(before));
+  growth::Grown grown = growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch, std::move(before));
   result.ended = std::move(grown.ended);
   result.notes = std::move(grown.notes);
   result.solves = grown.solves;

@@ -1,10 +1,10 @@
 // What asks for short edges.
 // Sources of the size field, each with a length and a place: tips (`crack_tip_size`), kinks, junctions, crossings of
-// borders and reentrant corners (size/25), corners of regions (size/10), mouths of cracks (size/4), short sides (their length), ends of
-// contact, curved sides (32 pieces per turn of the local circle of curvature, also of the images that a frame is mapped
-// to), ligaments (size/8) and narrow gaps (gaps.cpp). At a singular point with a reach the size grows like the distance
-// to the power .8 (size_field.hpp). With a background (an adaptive mesh) only what keeps the geometry counts, since the
-// background knows the singular points.
+// borders and reentrant corners (size/25), corners of regions (size/10), mouths of cracks (size/4), short sides (their
+// length), ends of contact, curved sides (32 pieces per turn of the local circle of curvature, also of the images that
+// a frame is mapped to), ligaments (size/8) and narrow gaps (gaps.cpp). At a singular point with a reach the size grows
+// like the distance to the power .8 (size_field.hpp). With a background (an adaptive mesh) only what keeps the geometry
+// counts, since the background knows the singular points.
 
 #include "geometry/mesher/tips.hpp"
 

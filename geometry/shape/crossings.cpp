@@ -267,8 +267,8 @@ std::optional<std::string> find_crossing(const Shape& shape, const Drawing& draw
   });
   Frames frames(chords, margin, order, drawing.extent);
 
-  // What is wrong with the loops and regions is said before what is wrong with the cracks, then the later strand decides
-  // the order. Of one pair of strands the first meeting in the sweep.
+  // What is wrong with the loops and regions is said before what is wrong with the cracks, then the later strand
+  // decides the order. Of one pair of strands the first meeting in the sweep.
   Meeting first;
   std::tuple<bool, Index, Index> where{false, none, none};
   const auto is_crack = [](const Strand& s) { return s.crack != none && !s.beyond; };

@@ -49,8 +49,8 @@ std::string name(const Shape& shape, const Strand& strand);
 /// Whether sides or corners of regions lie on those of loops or of each other.
 bool regions_touch(Drawing drawing);
 
-/// In a shape with cracks along the sides of regions (`along`, per crack; interfaces), or whose regions touch: sides that
-/// regions share with loops and with each other become one strand, those of interfaces strands of cracks.
+/// In a shape with cracks along the sides of regions (`along`, per crack; interfaces), or whose regions touch: sides
+/// that regions share with loops and with each other become one strand, those of interfaces strands of cracks.
 void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along);
 
 /// What is wrong with interfaces and the regions of a shape that has some, in words, or nothing: regions of which each

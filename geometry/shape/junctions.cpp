@@ -26,11 +26,11 @@ struct Crossing {
 
 struct Joiner {
   Drawing& drawing;
-  const double join;                           // corners nearer than this are one
-  std::size_t first;                           // strand that is no side of a loop
+  const double join;  // corners nearer than this are one
+  std::size_t first;  // strand that is no side of a loop
   const std::function<bool(const Strand&, const Strand&)>& meet;
-  std::vector<bool> fixed;                     // per corner: on a loop, or moved already
-  std::vector<std::vector<StrandCut>> cuts;    // per strand, counted from `first`
+  std::vector<bool> fixed;                   // per corner: on a loop, or moved already
+  std::vector<std::vector<StrandCut>> cuts;  // per strand, counted from `first`
 
   const Strand& strand(std::size_t k) const {
     return drawing.strands[first + k];

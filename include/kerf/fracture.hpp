@@ -37,9 +37,9 @@ struct TipIntensity {
 ///
 /// Three rings with outer radii 1, 4/5 and 3/5 of R; K, T, G, J and radius are those of the middle one. R is 9/10 of
 /// the distance to the nearest boundary, hole, other crack, other material, kink or other end of the same crack, and on
-/// a curved crack to where it has turned by half a radian. A crack is curved where its edges are chords of a smooth curve: then the
-/// frame is that of the curve. Where R spans fewer than 3/2 elements the values are NaN and radius 0. The mesh should
-/// have five or more elements along R; the spreads tell: beyond 0.01 do not trust the value.
+/// a curved crack to where it has turned by half a radian. A crack is curved where its edges are chords of a smooth
+/// curve: then the frame is that of the curve. Where R spans fewer than 3/2 elements the values are NaN and radius 0.
+/// The mesh should have five or more elements along R; the spreads tell: beyond 0.01 do not trust the value.
 std::vector<TipIntensity> crack_tips(const Model& model, const Field& state);
 
 }  // namespace kerf

@@ -69,9 +69,9 @@ struct GrowRequest {
   std::optional<double> toughness = {};  // K_Ic: quasi-static growth
   /// G_c in the absolute direction phi [radians from x] over that of K_Ic, positive; none: 1.
   std::function<double(double phi)> anisotropy = {};
-  double toughness_shear = infinity;     // K_IIc: of growth in the crack's own plane where no kink opens at K_Ic
-  std::optional<GrowthLaw> law = {};     // else by fatigue
-  std::vector<RegionLaw> regions = {};   // of the same kind
+  double toughness_shear = infinity;    // K_IIc: of growth in the crack's own plane where no kink opens at K_Ic
+  std::optional<GrowthLaw> law = {};    // else by fatigue
+  std::vector<RegionLaw> regions = {};  // of the same kind
   Criterion criterion = Criterion::LocalSymmetry;
   std::vector<CrackEnd> tips = {};    // that may grow; none: all
   double max = 1, min = 0;            // of a cycle: factors of the loads
@@ -167,8 +167,8 @@ struct SolvedState {
   std::vector<TipIntensity> tips;
   std::optional<StateBounds> bounds = {};
 };
-/// All that growth needs to go on as if it had never stopped: the states in the order in which they were solved, and how
-/// many steps have been told.
+/// All that growth needs to go on as if it had never stopped: the states in the order in which they were solved, and
+/// how many steps have been told.
 struct GrowthRecord {
   std::vector<SolvedState> states;
   int told = 0;
@@ -178,8 +178,9 @@ struct GrowthRecord {
 /// Steps that the record before has told are told again, without the solution (null). Step 0 again: with half the step.
 using WatchGrowth = std::function<bool(const GrowthStep&, const Shape&, const Adapted*, const GrowthRecord&)>;
 
-/// `before`: the record of the same growth, whose states are not solved again; the result has the same bits. Throws Error(Usage) for what cannot grow (no tip, a crack that follows an arc or a border), else as solve_graded.
-/// `how`: as for each of the states.
+/// `before`: the record of the same growth, whose states are not solved again; the result has the same bits. Throws
+/// Error(Usage) for what cannot grow (no tip, a crack that follows an arc or a border), else as solve_graded. `how`: as
+/// for each of the states.
 Grown grow(Shape shape, const Sizing& sizing, const Element& e, const Scene& scene, const GrowRequest& request,
            const Adaptation& how, const WatchGrowth& watch = {}, GrowthRecord before = {});
 

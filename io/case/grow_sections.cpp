@@ -50,11 +50,8 @@ growth::GrowthLaw fatigue_law(const Value& law, const std::string& kind) {
 /// phi is the angle of the point at which the formula is evaluated.
 std::function<double(double)> of_direction(const Value& field) {
   try {
-    Expression value =
-        parse_expression(text(field), {.definitions = {{"phi", "atan2(y, x)"}}, .on_boundary = false});
-    return [value = std::move(value)](double phi) {
-      return value(Vec2(std::cos(phi), std::sin(phi)), Vec2::Zero());
-    };
+    Expression value = parse_expression(text(field), {.definitions = {{"phi", "atan2(y, x)"}}, .on_boundary = false});
+    return [value = std::move(value)](double phi) { return value(Vec2(std::cos(phi), std::sin(phi)), Vec2::Zero()); };
   } catch (const Error& e) {
     fail(field.node->position, fmt::format("{}: {}", field.name, e.what()));
   }

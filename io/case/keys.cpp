@@ -239,7 +239,8 @@ constexpr Key rows[] = {
      {.bare = true},
      "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes or each "
      "other, unless the case has an [[interface]]. They may lie around holes and cracks, be crossed by cracks, and lie "
-     "inside one another: the inner one counts. A region without a form is a physical surface of domain.file, where it may touch "
+     "inside one another: the inner one counts. A region without a form is a physical surface of domain.file, where it "
+     "may touch "
      "anything."},
     {"region[].name", Name, {.required = true}, "Named in messages and by optimize.frozen.", "\"stiff\""},
     {"region[].circle",
@@ -797,15 +798,18 @@ constexpr Key rows[] = {
     {"grow.bounds",
      Boolean,
      {},
-     "Intervals of K, G and the energy at every step, of the cycles and of the energy that growth releases, as [bounds] "
-     "gives them: guaranteed for elements bdms and afw without friction where faces are open. Each step costs one or two "
+     "Intervals of K, G and the energy at every step, of the cycles and of the energy that growth releases, as "
+     "[bounds] "
+     "gives them: guaranteed for elements bdms and afw without friction where faces are open. Each step costs one or "
+     "two "
      "solves more.",
      "true",
      "false"},
     {"grow.stress",
      Number,
      {.range = above_zero},
-     "Stress that beta in beta.csv refers to: beta = K/(stress sqrt(pi a)), a the crack's length, half of it where both "
+     "Stress that beta in beta.csv refers to: beta = K/(stress sqrt(pi a)), a the crack's length, half of it where "
+     "both "
      "ends grow.",
      "100",
      "1"},

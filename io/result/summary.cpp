@@ -332,11 +332,11 @@ void add_path_bounds(std::string& out, const growth::PathBounds& b, bool fatigue
                  fmt::format("cycles in {} if K changes one way from step to step, in {} if it is smooth", in(b.cycles),
                              in(b.cycles_smooth)));
   if (known(b.released) && known(b.lost))
-    add_sentence(out, "",
-                 fmt::format("growth releases an energy in {}, the body loses one in {}: {}", in(b.released), in(b.lost),
-                             b.released.low <= b.lost.high && b.lost.low <= b.released.high
-                                 ? "both can be the same number"
-                                 : "they contradict each other"));
+    add_sentence(
+        out, "",
+        fmt::format("growth releases an energy in {}, the body loses one in {}: {}", in(b.released), in(b.lost),
+                    b.released.low <= b.lost.high && b.lost.low <= b.released.high ? "both can be the same number"
+                                                                                   : "they contradict each other"));
   add_sentence(out, "",
                b.guaranteed ? "the intervals of K, G and energy are guaranteed at every step"
                             : fmt::format("the intervals are not guaranteed: {}", clean_text(b.note)));
@@ -362,13 +362,13 @@ void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
     add(out, "", items);
   }
   if (g.unstable_from)
-    add_sentence(out, "",
-                 fmt::format("unstable from step {} on: the load falls as the crack grows{}", *g.unstable_from,
-                             !g.snaps_back_from ? std::string()
-                             : *g.snaps_back_from == *g.unstable_from
-                                 ? ", and so does its displacement (snap-back)"
-                                 : fmt::format(", from step {} on its displacement, too (snap-back)",
-                                               *g.snaps_back_from)));
+    add_sentence(
+        out, "",
+        fmt::format("unstable from step {} on: the load falls as the crack grows{}", *g.unstable_from,
+                    !g.snaps_back_from ? std::string()
+                    : *g.snaps_back_from == *g.unstable_from
+                        ? ", and so does its displacement (snap-back)"
+                        : fmt::format(", from step {} on its displacement, too (snap-back)", *g.snaps_back_from)));
   if (std::isfinite(g.energy_balance))
     add_sentence(
         out, "",

@@ -145,9 +145,10 @@ void look_at_interfaces(const Problem& p, std::vector<Wrong>& all) {
       return;
     }
   if (regions_touch(p.frame))
-    all.push_back({"region", "[optimize] needs regions that lie apart, inside the body; these share sides with each "
-                             "other, the outline or a hole: take the state, maps and validation of this body (kerf "
-                             "solve, map, validate)"});
+    all.push_back({"region",
+                   "[optimize] needs regions that lie apart, inside the body; these share sides with each "
+                   "other, the outline or a hole: take the state, maps and validation of this body (kerf "
+                   "solve, map, validate)"});
 }
 
 void look_at_eigenstrain(const Problem& p, std::vector<Wrong>& all) {

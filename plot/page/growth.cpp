@@ -45,8 +45,9 @@ std::string growth_section(const GrowthResult& g, const PageData& data) {
   if (std::isfinite(g.path_error)) out += fmt::format("<p>The path is known to{}.</p>\n", bar(g.path_error));
   for (const std::string& note : g.notes) out += fmt::format("<p class=\"note\">{}</p>\n", escape_html(note));
   if (g.bounds && g.bounds->guaranteed && std::isfinite(g.bounds->cycles.high))
-    out += fmt::format("<p>Guaranteed at every step: between {} and {} cycles if K changes one way between steps.</p>\n",
-                       pretty(g.bounds->cycles.low), pretty(g.bounds->cycles.high));
+    out +=
+        fmt::format("<p>Guaranteed at every step: between {} and {} cycles if K changes one way between steps.</p>\n",
+                    pretty(g.bounds->cycles.low), pretty(g.bounds->cycles.high));
   if (const NamedArray* shots = find_array(data.arrays, "growth.shots"))
     out += fmt::format(
         "<figure class=\"view\" id=\"growth\"><div class=\"stage\" role=\"group\" aria-label=\"The body, step by "

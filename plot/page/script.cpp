@@ -422,9 +422,9 @@ std::string under_slider(const std::string& slider, const NamedArray& shots,
   std::vector<std::string> all;
   for (std::size_t i = 0; i + 2 < shots.numbers.size(); i += 3) {
     JsonObject shot;
-    all.push_back(shot.text("text", words(static_cast<int>(shots.numbers[i]), shots.numbers[i + 1],
-                                          shots.numbers[i + 2]))
-                      .done());
+    all.push_back(
+        shot.text("text", words(static_cast<int>(shots.numbers[i]), shots.numbers[i + 1], shots.numbers[i + 2]))
+            .done());
   }
   JsonObject out;
   return out.text("slider", slider).add("shots", json_list(all)).done();

@@ -160,8 +160,9 @@ std::string crack_section(const CrackResult& crack, std::size_t i, const Units& 
       const std::string out = number_or_dash(value);
       return value && tip.margin ? fmt::format("{} ± {:.2g}", out, (*tip.margin).*margin) : out;
     };
-    rows.push_back({at_place(tip.at) + (tip.note.empty() ? "" : ", " + escape_html(tip.note)), number(tip.K_I, &Margin::K_I), number(tip.K_II, &Margin::K_II),
-                    number(tip.G, &Margin::G), number(tip.T, &Margin::T)});
+    rows.push_back({at_place(tip.at) + (tip.note.empty() ? "" : ", " + escape_html(tip.note)),
+                    number(tip.K_I, &Margin::K_I), number(tip.K_II, &Margin::K_II), number(tip.G, &Margin::G),
+                    number(tip.T, &Margin::T)});
   }
   const auto head = [&](const char* name, const Dimension& of) {
     return u.given() ? fmt::format("{} in {}", name, escape_html(unit(u, of))) : std::string(name);

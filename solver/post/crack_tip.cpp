@@ -6,8 +6,8 @@
 // or the tangents of the arcs that the edges follow. It ends where it has turned by half a radian or comes back towards
 // the tip, so that it is a graph over the distance from the tip: angle_about needs the crack at every distance once.
 // The radius that is clear of everything else (`room`) bounds the rings of the integrals, which so lie in one material:
-// an integral over two has a term of the border between them. At a tip on a border there is no K. docs/theory/fracture.md uses
-// these frames.
+// an integral over two has a term of the border between them. At a tip on a border there is no K.
+// docs/theory/fracture.md uses these frames.
 
 #include "solver/post/crack_tip.hpp"
 

@@ -1,8 +1,8 @@
 // Cracks that cross the borders of regions, or end on them: random polylines and arcs against random regions, by what
 // every mesh of them must keep; places and angles that are told apart.
 
-#include "geometry/shape/drawing.hpp"
 #include "geometry/plane.hpp"
+#include "geometry/shape/drawing.hpp"
 #include "kerf/mesher.hpp"
 #include "tests/support/dice.hpp"
 
@@ -16,11 +16,8 @@ namespace kerf::region_crack_test {
 namespace {
 
 Shape square(std::vector<Loop> regions, std::vector<Crack> cracks) {
-  return {polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0),
-          {},
-          std::move(cracks),
-          {"side"},
-          std::move(regions)};
+  return {
+      polygon("outline", {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, 0), {}, std::move(cracks), {"side"}, std::move(regions)};
 }
 
 double area_of(const Mesh& m, Index region) {
@@ -114,7 +111,8 @@ TEST(RegionCracks, EndAndBeginOnABorder) {
     EXPECT_TRUE(border.contains(v.back()));
     EXPECT_EQ(std::ranges::count_if(v, [&](Index i) { return border.contains(i); }), 1);
   }
-  const Mesh disc = triangulate(square({circle("disc", {0, 0}, 1, none)}, {{"c", {{0, 1}, {0, 1.8}}, {}}}), {.size = 0.3});
+  const Mesh disc =
+      triangulate(square({circle("disc", {0, 0}, 1, none)}, {{"c", {{0, 1}, {0, 1.8}}, {}}}), {.size = 0.3});
   EXPECT_NEAR(area_of(disc, 0), pi, 1e-3);
   EXPECT_TRUE(on_borders(disc).contains(path(disc, 0).front()));
   EXPECT_LT(quality(disc).h_min, 0.01) << "stresses are singular there, too";
@@ -123,7 +121,8 @@ TEST(RegionCracks, EndAndBeginOnABorder) {
 // The seam of a circle at (1, 0) is no corner, wherever a crack comes by.
 TEST(RegionCracks, CrossAtTheSeamOfACircle) {
   for (const double y : {0.0, 1e-9, -1e-9, 1e-7, 1e-3}) {
-    const Mesh m = triangulate(square({circle("disc", {0, 0}, 1, none)}, {{"c", {{0.2, y}, {1.8, y}}, {}}}), {.size = 0.3});
+    const Mesh m =
+        triangulate(square({circle("disc", {0, 0}, 1, none)}, {{"c", {{0.2, y}, {1.8, y}}, {}}}), {.size = 0.3});
     EXPECT_NEAR(area_of(m, 0), pi, 2e-3) << y;
     EXPECT_NEAR(crack_length(m, 0), 1.6, 1e-12) << y;
     EXPECT_GT(quality(m).min_angle_deg, 20) << y;
@@ -148,7 +147,8 @@ TEST(RegionCracks, JunctionsOnABorder) {
 
 // Patches around tips keep away from borders; a tip on one has none.
 TEST(RegionCracks, HaveMirroredTipsBesideBorders) {
-  const Shape shape = square({circle("disc", {0, 0}, 1, none)}, {{"c", {{-0.5, 0}, {1.3, 0.1}}, {}}, {"d", {{0, 1}, {0, 1.5}}, {}}});
+  const Shape shape =
+      square({circle("disc", {0, 0}, 1, none)}, {{"c", {{-0.5, 0}, {1.3, 0.1}}, {}}, {"d", {{0, 1}, {0, 1.5}}, {}}});
   const Mesh m = triangulate(shape, {.size = 0.3, .mirrored_tips = true});
   EXPECT_NEAR(area_of(m, 0), pi, 2e-3);
   EXPECT_NEAR(crack_length(m, 0), path_length(shape.cracks[0]), 1e-12);
