@@ -2,6 +2,7 @@
 
 #include "app/run.hpp"
 #include "io/read_result.hpp"
+#include "kerf/stop.hpp"
 #include "tests/io/case/case_files.hpp"
 
 #include <nlohmann/json.hpp>
@@ -75,7 +76,7 @@ TEST(GrowRun, FilesAndResultsThereAndBack) {
     }
   }
   const std::string csv = (std::ostringstream() << std::ifstream(out / "growth.csv").rdbuf()).str();
-  EXPECT_TRUE(csv.starts_with("step,cycles,load,tip,x,y,a,K_I,K_II,T,G,K_I_min,K_II_min,dK,rate,da,angle,symmetry\n"));
+  EXPECT_TRUE(csv.starts_with("step,cycles,load,tip,x,y,a,K_I,K_II,T,G,K_max,K_I_min,K_II_min,dK,rate,da,angle,symmetry\n"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 3 * 2);
   EXPECT_NE(csv.find("\n0,0,1,c:start,"), std::string::npos) << csv;
   EXPECT_NE(summary(r).find("growth      Paris by local symmetry: 3 steps"), std::string::npos) << summary(r);
@@ -140,6 +141,81 @@ TEST(GrowRun, RefusalsNameWhatIsWrong) {
   const TemporaryFolder plain;
   const Case none_asked = read_case(plain.write("a.toml", plate));
   EXPECT_THROW(run(none_asked, Job::Grow, {.folder = plain.path / "out", .threads = 1}), Error);
+}
+
+TEST(GrowRun, BoundsThereAndBack) {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder.path / "out";
+  const std::string grow =
+      "[grow]\nlaw = { kind = \"paris\", C = 1e-9, m = 3 }\nstep = 0.2\nbounds = true\nuntil = { steps = 2 }\n";
+  const Result r = run(read_case(folder.write("a.toml", plate + grow)), Job::Grow, {.folder = out, .threads = 1});
+  const Result again = read_result(out);
+  ASSERT_TRUE(again.growth && again.growth->bounds);
+  EXPECT_EQ(again.growth->bounds->cycles.low, r.growth->bounds->cycles.low);
+  EXPECT_EQ(again.growth->bounds->lost.high, r.growth->bounds->lost.high);
+  EXPECT_EQ(again.growth->bounds->guaranteed, r.growth->bounds->guaranteed);
+  ASSERT_TRUE(again.growth->steps[1].tips[0].in);
+  EXPECT_EQ(again.growth->steps[1].tips[0].in->G.high, r.growth->steps[1].tips[0].in->G.high);
+  const std::string csv = (std::ostringstream() << std::ifstream(out / "growth.csv").rdbuf()).str();
+  EXPECT_NE(csv.find(",symmetry,K_I_lower,K_I_upper,K_II_lower,K_II_upper,G_lower,G_upper,guaranteed\n"),
+            std::string::npos);
+}
+
+// beta of a small crack in tension is near 1 by the stress that is asked for.
+TEST(GrowRun, BetaOfASmallCrack) {
+  const TemporaryFolder folder;
+  std::string straight = plate;
+  straight.replace(straight.find("[[-0.4, -0.3], [0.4, 0.3]]"), 26, "[[-0.3, 0], [0.3, 0]]");
+  const std::string grow =
+      "[grow]\nlaw = { kind = \"paris\", C = 1e-9, m = 3 }\ncycle = { max = 50 }\nstress = 50\nstep = 0.1\n"
+      "until = { steps = 1 }\n";
+  run(read_case(folder.write("a.toml", straight + grow)), Job::Grow, {.folder = folder.path / "out", .threads = 1});
+  std::ifstream csv(folder.path / "out/beta.csv");
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "tip,a,beta,K_max");
+  int rows = 0;
+  while (std::getline(csv, line)) {
+    ++rows;
+    const std::size_t first = line.find(','), second = line.find(',', first + 1);
+    const double a = std::stod(line.substr(first + 1)), beta = std::stod(line.substr(second + 1));
+    EXPECT_NEAR(beta, 1 / std::sqrt(std::cos(pi * a / 8)), 0.03);
+  }
+  EXPECT_EQ(rows, 4);
+}
+
+TEST(GrowRun, FormulasOfDirectionAreRead) {
+  const std::string head = "[grow]\nlaw = { kind = \"quasi-static\", K_c = 1, ";
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write("a.toml", plate + head + "K_IIc = 3, anisotropy = \"1 + 0.5*sin(phi)^2\" }\n"));
+  EXPECT_EQ(c.grow->toughness_shear, 3);
+  EXPECT_NEAR(c.grow->anisotropy(pi / 2), 1.5, 1e-15);
+  EXPECT_NEAR(c.grow->anisotropy(-0.3), 1 + 0.5 * std::pow(std::sin(0.3), 2), 1e-15);
+  EXPECT_NE(refusal(head + "anisotropy = \"1 + theta\" }\n").find("theta"), std::string::npos);
+  EXPECT_NE(refusal("[grow]\nlaw = { kind = \"paris\", C = 1, m = 3, anisotropy = \"1\" }\n").find("anisotropy"),
+            std::string::npos);
+}
+
+// What is left of a run that was stopped goes on and ends with the same bits.
+TEST(GrowRun, ResumesWithTheSameBits) {
+  const TemporaryFolder folder;
+  const Case c = read_case(folder.write(
+      "a.toml", plate + "[grow]\nlaw = { kind = \"paris\", C = 1e-9, m = 3 }\nstep = 0.2\nuntil = { steps = 4 }\n"));
+  const Result whole = run(c, Job::Grow, {.folder = folder.path / "whole", .threads = 1});
+  int steps = 0;
+  RunOptions options{.folder = folder.path / "cut", .threads = 1, .on_phase = [&](const std::string& phase) {
+                       if (phase.starts_with("grow: step") && ++steps == 2) request_stop();
+                     }};
+  EXPECT_ANY_THROW(run(c, Job::Grow, options));
+  forget_stop();
+  options.on_phase = {};
+  options.resume = true;
+  const Result rest = run(c, Job::Grow, options);
+  ASSERT_EQ(rest.growth->steps.size(), whole.growth->steps.size());
+  for (std::size_t i = 0; i < whole.growth->steps.size(); ++i) {
+    EXPECT_EQ(rest.growth->steps[i].cycles, whole.growth->steps[i].cycles);
+    EXPECT_EQ(rest.growth->steps[i].tips[0].at, whole.growth->steps[i].tips[0].at);
+  }
 }
 
 }  // namespace

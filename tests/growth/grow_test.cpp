@@ -192,5 +192,143 @@ TEST(Grow, ClosureIsComputed) {
   EXPECT_NEAR(closed.dK, closed.K_I, 1e-3 * closed.K_I);
 }
 
+// A run that is cut short after any step and goes on by its record ends with the same bits, and solves no state twice.
+TEST(Grow, GoesOnFromARecordWithTheSameBits) {
+  const Body b = plate(8, 8, {"c", {{-0.5, -0.3}, {0.5, 0.3}}, {}}, 1);
+  const GrowRequest request{.law = paris, .step = 0.2, .tolerance = 0.2, .steps = 3};
+  std::vector<GrowthRecord> records;
+  int bodies = 0;
+  const Grown whole = grown(b, request, [&](const auto&, const auto&, const Adapted* body, const GrowthRecord& record) {
+    bodies += body != nullptr;
+    records.push_back(record);
+    return true;
+  });
+  ASSERT_GT(records.size(), 5u);
+  EXPECT_EQ(bodies, static_cast<int>(records.size()));
+  for (const std::size_t cut : {std::size_t{1}, records.size() - 2}) {
+    int again = 0, told = 0;
+    const Grown rest = grow(b.shape, b.sizing, bdms(2), b.scene, request, {},
+                            [&](const auto&, const auto&, const Adapted* body, const GrowthRecord& record) {
+                              ++told;
+                              again += body == nullptr;
+                              EXPECT_EQ(record.told, told);
+                              return true;
+                            },
+                            records[cut]);
+    EXPECT_EQ(again, records[cut].told);
+    EXPECT_EQ(told, static_cast<int>(records.size()));
+    ASSERT_EQ(rest.steps.size(), whole.steps.size());
+    for (std::size_t i = 0; i < whole.steps.size(); ++i) {
+      EXPECT_EQ(rest.steps[i].cycles, whole.steps[i].cycles);
+      ASSERT_EQ(rest.steps[i].tips.size(), whole.steps[i].tips.size());
+      for (std::size_t k = 0; k < whole.steps[i].tips.size(); ++k) {
+        EXPECT_EQ(rest.steps[i].tips[k].at, whole.steps[i].tips[k].at);
+        EXPECT_EQ(rest.steps[i].tips[k].K_II, whole.steps[i].tips[k].K_II);
+      }
+    }
+    EXPECT_EQ(rest.path_error, whole.path_error);
+    EXPECT_EQ(rest.solves, whole.solves);
+  }
+}
+
+// Of a crack in the middle of a strip, by Tada's K (0.1 %): intervals hold K at every step and the life, and the energy
+// released and lost can be one number.
+TEST(Grow, GuaranteedIntervalsHoldTheFormula) {
+  const Body b = plate(10, 24, {"c", {{-1, 0}, {1, 0}}, {}}, 100);
+  const GrowRequest request{.law = paris, .step = 0.3, .length = 4, .bounds = true};
+  const Grown g = grown(b, request);
+  const auto K = [](double a) {
+    const double x = a / 10;
+    return 100 * std::sqrt(pi * a / std::cos(pi * x)) * (1 - 0.1 * x * x + 0.96 * std::pow(x, 4));
+  };
+  std::vector<PathPoint> path;
+  for (const GrowthStep& s : g.steps)
+    for (const GrownTip& tip : s.tips) {
+      ASSERT_TRUE(tip.in) << tip.name;
+      EXPECT_TRUE(tip.in->guaranteed) << tip.in->note;
+      const double a = 0.5 * tip.a, by_formula = K(a);
+      EXPECT_LT(tip.in->K_I.low, 1.001 * by_formula);
+      EXPECT_GT(tip.in->K_I.high, 0.999 * by_formula);
+      EXPECT_LT(tip.in->K_I.high - tip.in->K_I.low, 0.05 * by_formula);
+      EXPECT_LE(tip.in->K_II.low, 0);
+      EXPECT_GE(tip.in->K_II.high, 0);
+    }
+  ASSERT_TRUE(g.bounds);
+  EXPECT_TRUE(g.bounds->guaranteed) << g.bounds->note;
+  const double from = 1, to = 0.5 * g.steps.back().tips[0].a;
+  for (int i = 0; i <= 40; ++i) {
+    const double a = from * std::pow(to / from, i / 40.0);
+    path.push_back({a, K(a), 0});
+  }
+  const double N = Life(paris, path).cycles();
+  for (const Interval& in : {g.bounds->cycles, g.bounds->cycles_smooth}) {
+    EXPECT_LT(in.low, 1.003 * N);
+    EXPECT_GT(in.high, 0.997 * N);
+  }
+  EXPECT_LT(g.bounds->cycles_smooth.high - g.bounds->cycles_smooth.low,
+            g.bounds->cycles.high - g.bounds->cycles.low);
+  EXPECT_LT(g.bounds->cycles_smooth.high - g.bounds->cycles_smooth.low, 0.25 * N);
+  EXPECT_LE(g.bounds->released.low, g.bounds->lost.high);
+  EXPECT_LE(g.bounds->lost.low, g.bounds->released.high);
+}
+
+// No interval where faces are in contact, and it is said.
+TEST(Grow, NoGuaranteeInContact) {
+  const Body b = plate(8, 8, {"c", {{-0.6, -0.6}, {0.6, 0.6}}, {}}, -1, {});
+  const Grown g = grown(b, {.toughness = 1, .step = 0.2, .steps = 1, .bounds = true});
+  ASSERT_TRUE(g.bounds);
+  EXPECT_FALSE(g.bounds->guaranteed);
+  EXPECT_FALSE(g.bounds->note.empty());
+}
+
+// A crack under tension leaves its line for the direction in which G/G_c is the largest: the angle of pure mode I from
+// G(angle)/G_c(angle) = (F_11^2 + F_21^2)/G_c by small angles: G falls as 1 - angle^2/4.. of Cotterell and Rice, and the
+// load is that at which G there reaches G_c.
+TEST(Grow, ToughnessByDirection) {
+  const Body b = plate(12, 12, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1);
+  const double tilt = 0.2, depth = 0.3;
+  const auto G_c = [=](double phi) { return 1 - depth * std::cos(2 * (phi - tilt)); };  // least at tilt
+  const GrowRequest request{
+      .toughness = 2, .anisotropy = G_c, .criterion = Criterion::Energy, .tips = {{0, false}}, .step = 0.1, .steps = 1};
+  const Grown g = grown(b, request);
+  const GrownTip& tip = g.steps[0].tips.at(0);
+  // The largest of G/G_c by the functions of Cotterell and Rice for small angles, on a fine grid.
+  double best = 0, angle = 0;
+  for (int i = -5000; i <= 5000; ++i) {
+    const double x = i * 1e-4, F11 = (3 * std::cos(x / 2) + std::cos(3 * x / 2)) / 4,
+                 F21 = (std::sin(x / 2) + std::sin(3 * x / 2)) / 4, ratio = (F11 * F11 + F21 * F21) / G_c(x);
+    if (ratio > best) best = ratio, angle = x;
+  }
+  EXPECT_NEAR(tip.angle, angle, 3e-3);
+  EXPECT_NEAR(g.steps[0].load, 2 / (tip.K_I * std::sqrt(best)), 2e-3 * g.steps[0].load);
+}
+
+// Under pressure a crack grows in its own plane where K_IIc is low, and opens a wing where it is high.
+TEST(Grow, InShearOrByAWing) {
+  const double c = std::sqrt(0.5);
+  const Body b = plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {});
+  GrowRequest request{.toughness = 1, .toughness_shear = 0.7, .tips = {{0, false}}, .step = 0.2, .steps = 1};
+  const Grown straight = grown(b, request);
+  const GrownTip& tip = straight.steps[0].tips.at(0);
+  EXPECT_EQ(tip.angle, 0);
+  EXPECT_NEAR(straight.steps[0].load, 0.7 / std::abs(tip.K_II), 1e-12 * straight.steps[0].load);
+  request.toughness_shear = 0.9;  // 1/1.2315 = .812 is the limit
+  EXPECT_NEAR(std::abs(grown(b, request).steps[0].tips.at(0).angle), 77.33 * pi / 180, 0.01);
+}
+
+// A small crack in a plate that its loads pull runs at once: the load falls like the root of its length, and what the
+// crack adds to the displacement is too little to keep it from falling, too (snap-back). Wings under pressure are
+// stable.
+TEST(Grow, SaysWhereTheLoadFalls) {
+  const Grown open = grown(plate(10, 10, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1), {.toughness = 1, .step = 0.2, .steps = 3});
+  ASSERT_TRUE(open.unstable_from);
+  EXPECT_EQ(*open.unstable_from, 0);
+  ASSERT_TRUE(open.snaps_back_from);
+  EXPECT_EQ(*open.snaps_back_from, 0);
+  const double c = std::sqrt(0.5);
+  const Grown wings = grown(plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {}), {.toughness = 1, .step = 0.2, .steps = 3});
+  EXPECT_FALSE(wings.unstable_from);
+}
+
 }  // namespace
 }  // namespace kerf::grow_test
