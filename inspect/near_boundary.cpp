@@ -62,7 +62,7 @@ std::optional<LocalStress> NearBoundary::stress_near(const Place& place, double 
 
 double NearBoundary::pressure_on(const Place& place) const {
   double pressure = 0;
-  for (const Traction& load : model_.scene.tractions)
+  for (const kerf::Traction& load : model_.scene.tractions)
     if (load.label == model_.mesh.label[place.edge]) pressure += load.value(place.at, -place.inward).dot(place.inward);
   return std::max(pressure, 0.);
 }

@@ -12,6 +12,7 @@
 #include "app/sweep.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
+#include "io/result/growth_columns.hpp"
 #include "kerf/stop.hpp"
 #include "plot/fonts.hpp"
 #include "python/document.hpp"
@@ -175,6 +176,25 @@ py::dict in_python(const Iteration& i) {
   return out;
 }
 
+/// The numbers of a step of growth, as growth.csv has them.
+py::dict in_python(const growth::GrowthStep& s) {
+  py::dict out;
+  out["step"] = s.number;
+  out["cycles"] = s.cycles;
+  out["load"] = s.load;
+  out["solves"] = s.solves;
+  py::list tips;
+  for (const growth::GrownTip& t : s.tips) {
+    py::dict tip;
+    tip["tip"] = t.name;
+    tip["at"] = std::array{t.at.x(), t.at.y()};
+    for (const auto& [name, member] : columns_of_tip) tip[name] = t.*member;
+    tips.append(std::move(tip));
+  }
+  out["tips"] = std::move(tips);
+  return out;
+}
+
 struct Outcome {
   Result result;
   RunFields fields;
@@ -184,7 +204,7 @@ struct How {
   std::string job, folder;
   int threads = 1;
   bool force = false, resume = false, files = true;
-  py::object on_phase, on_iteration;
+  py::object on_phase, on_iteration, on_step;
 };
 
 Job job_called(const std::string& word) {
@@ -226,6 +246,11 @@ std::unique_ptr<Outcome> run_case(const PythonCase& of, const How& how) {
     options.on_iteration = [&](const Iteration& i) {
       const py::gil_scoped_acquire interpreter;
       tell(how.on_iteration, *of.trouble, in_python(i));
+    };
+  if (!how.on_step.is_none())
+    options.on_step = [&](const growth::GrowthStep& s) {
+      const py::gil_scoped_acquire interpreter;
+      tell(how.on_step, *of.trouble, in_python(s));
     };
   compute_for(of, [&] {
     forecast_where_needed(c, job, how.threads, {});
@@ -379,12 +404,12 @@ PYBIND11_MODULE(_kerf, m) {
       .def(
           "run",
           [](const PythonCase& of, std::string job, std::string folder, int threads, bool force, bool resume,
-             bool files, py::object on_phase, py::object on_iteration) {
+             bool files, py::object on_phase, py::object on_iteration, py::object on_step) {
             return run_case(of, {std::move(job), std::move(folder), threads, force, resume, files, std::move(on_phase),
-                                 std::move(on_iteration)});
+                                 std::move(on_iteration), std::move(on_step)});
           },
           py::kw_only(), py::arg("job"), py::arg("folder"), py::arg("threads"), py::arg("force"), py::arg("resume"),
-          py::arg("files"), py::arg("on_phase"), py::arg("on_iteration"));
+          py::arg("files"), py::arg("on_phase"), py::arg("on_iteration"), py::arg("on_step"));
   py::class_<SweepPlan>(m, "SweepPlan")
       .def(py::init([](const std::string& case_file, const std::string& folder,
                        const std::vector<std::string>& overrides,

@@ -92,6 +92,7 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
               journal.writer->put_last({std::move(write), 0, checkpoint.filename().string()});
             }},
            as_checkpoint(record));
+    if (journal.options.on_step) journal.options.on_step(step);
     if (stop_requested()) return false;
     journal.begin(in_words(step, request.law.has_value()));
     return true;

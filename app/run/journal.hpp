@@ -22,6 +22,7 @@ struct RunOptions {
   bool resume = false;                                      // an optimization goes on from its checkpoint
   std::function<void(const std::string& phase)> on_phase;   // called as each phase begins
   std::function<void(const Iteration&)> on_iteration = {};  // of an optimization, once its files are there
+  std::function<void(const growth::GrowthStep&)> on_step = {};  // of growth
   RunFields* fields = nullptr;                              // where they are kept; none: in files alone
   bool in_single = false;                                   // the factor, whatever the case says
   Processes* processes = nullptr;                           // for backend = "petsc"; none: it is refused

@@ -74,6 +74,8 @@ class Case:
         threads: int | None = ...,
         force: bool = ...,
         on_phase: Callable[[str], object] | None = ...,
+        on_step: Callable[[dict[str, Any]], object] | None = ...,
+        resume: bool = ...,
     ) -> Result: ...
     def optimize(
         self,

@@ -74,16 +74,18 @@ class Case:
         """The expansion against computations with changes of finite size."""
         return self._run("validate", folder, **how)
 
-    def grow(self, folder=None, **how):
-        """The state, and its cracks grown from their tips."""
-        return self._run("grow", folder, **how)
+    def grow(self, folder=None, *, on_step=None, resume=False, **how):
+        """The state, and its cracks grown from their tips. ``on_step`` is called with a dict of numbers after every
+        step; what it raises ends the growth. ``resume`` goes on with the checkpoint in the folder."""
+        return self._run("grow", folder, on_step=on_step, resume=resume, **how)
 
     def optimize(self, folder=None, *, on_iteration=None, resume=False, **how):
         """The best design. ``on_iteration`` is called with a dict of numbers after every iteration; what it raises
         ends the optimization. ``resume`` goes on with the checkpoint in the folder."""
         return self._run("optimize", folder, on_iteration=on_iteration, resume=resume, **how)
 
-    def _run(self, job, folder, *, threads=None, force=False, on_phase=None, on_iteration=None, resume=False):
+    def _run(self, job, folder, *, threads=None, force=False, on_phase=None, on_iteration=None, on_step=None,
+             resume=False):
         """Without a folder the files go to a temporary one, which goes with the result."""
         where = tempfile.mkdtemp(prefix="kerf-") if folder is None else os.fspath(folder)
         if threads is None:
@@ -91,7 +93,7 @@ class Case:
         try:
             outcome = self._case.run(
                 job=job, folder=where, threads=threads, force=force, resume=resume, files=folder is not None,
-                on_phase=on_phase, on_iteration=on_iteration)
+                on_phase=on_phase, on_iteration=on_iteration, on_step=on_step)
             result = Result(outcome, where)
         except BaseException:
             if folder is None:

@@ -223,6 +223,28 @@ class Optimizations(unittest.TestCase):
         self.assertEqual(kerf.Case(self.case).solve().status, "ok")
 
 
+class Growth(unittest.TestCase):
+    def test_steps_are_told(self):
+        case = kerf.Case({
+            "domain": {"outline": [[-4, -4], [4, -4], [4, 4], [-4, 4]], "sides": ["bottom", "right", "top", "left"]},
+            "crack": [{"name": "c", "path": [[-0.5, 0], [0.5, 0]]}],
+            "material": {"young": 1000.0, "poisson": 0.3},
+            "boundary": [{"on": "bottom", "displacement_y": 0}, {"on": "top", "traction": [0, 1]}],
+            "mesh": {"size": 1}, "solver": {"degree": 1},
+            "grow": {"law": {"kind": "paris", "C": 1e-6, "m": 3}, "step": 0.2, "until": {"steps": 2}}})
+        seen = []
+        result = case.grow(on_step=seen.append)
+        self.assertEqual([s["step"] for s in seen], [0, 1, 2])
+        self.assertEqual(seen[-1]["cycles"], result["growth"]["steps"][-1]["cycles"])
+        self.assertEqual([t["tip"] for t in seen[0]["tips"]], ["c:start", "c:end"])
+
+        def enough(step):
+            raise StopIteration(step["step"])
+
+        with self.assertRaises(StopIteration):
+            case.grow(on_step=enough)
+
+
 class Interruptions(unittest.TestCase):
     def test_ctrl_c(self):
         """It ends what is being computed: the map, which comes after it, does not begin."""
