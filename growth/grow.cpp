@@ -757,8 +757,6 @@ class Growing {
     bool is_arc = false;
     double turn = 0;                            // of the arc, or of the kink before a straight piece
     std::optional<SymmetrySearch> search = {};  // none: the turn is known
-    double slope = 0.5;                         // of k_2/k_1 per radian
-    double off = 0;                             // too much of the turn, by what is left of k_2
     std::optional<Hit> hit = {};
   };
 
@@ -775,13 +773,12 @@ class Growing {
     t.turn = direction_of_growth(tip).angle;
     if (of_.criterion != Criterion::LocalSymmetry) return t;
     t.is_arc = there.grown && std::abs(t.turn) < largest_turn / 2;
-    if (t.is_arc) t.turn = std::clamp(there.turn_ahead(tip.da), -largest_turn, largest_turn);
+    if (t.is_arc) t.turn = std::clamp(there.curvature * tip.da, -largest_turn, largest_turn);
     // d(k_2/k_1) per radian: what turns the tip, and T along the piece [theory: G.7].
     const double along = (t.is_arc ? 4.0 / 3 : 2) * std::sqrt(2 / pi * tip.da) * tip.T / std::max(tip.K_I, tip.dK);
-    t.slope = std::max(0.5 - along, 0.1);
-    t.search.emplace(
-        t.turn, SymmetryOptions{
-                    .tolerance = symmetric, .largest_turn = t.is_arc ? 2 * largest_turn : pi / 2, .slope = t.slope});
+    t.search.emplace(t.turn, SymmetryOptions{.tolerance = symmetric,
+                                             .largest_turn = t.is_arc ? 2 * largest_turn : pi / 2,
+                                             .slope = std::max(0.5 - along, 0.1)});
     return t;
   }
 
@@ -855,7 +852,6 @@ class Growing {
       if (t.search->turn()) t.search->answer({found->second.K_I, found->second.K_II});
       const SymmetrySearch::Answer& best = t.search->best();
       t.tip->symmetry = best.k.k_1 > 0 ? std::abs(best.k.k_2) / best.k.k_1 : nan;
-      t.off = t.search->found() ? best.k.k_2 / (t.slope * best.k.k_1) : 0;
       any = any || t.search->turn() || best.turn != t.turn;
     }
     return any;
@@ -870,7 +866,7 @@ class Growing {
       there.direction = within_half_turn(there.direction + t.turn);
       there.grown = true;
       tracks_[t.tip->end].grows = t.tip->da;
-      there.follow(t.is_arc, t.turn, t.tip->da, t.off);
+      there.curvature = t.is_arc ? t.turn / t.tip->da : 0;
       const std::size_t points = path_of(t).size();
       coarsen(shape_.cracks[static_cast<std::size_t>(t.tip->end.crack)], t.tip->end.at_start, points, there.points);
       there.points = points;
@@ -902,26 +898,9 @@ class Growing {
 
   struct Active {
     double direction = 0;  // of the tip
+    double curvature = 0;
     bool grown = false;
     std::size_t points = 0;  // of its last piece
-    /// How far the last piece has turned too much, by what is left of k_2; the curvature of the path without that, of
-    /// the last two pieces, and how long these are. Not a number: a kink, or none.
-    double off = 0;
-    double curvature = nan, before = nan, length = 0, length_before = 0;
-
-    /// The turn at which k_2 = 0 is expected behind a further arc: its curvature goes on linearly.
-    double turn_ahead(double da) const {
-      double ahead = std::isfinite(curvature) ? curvature : 0;
-      if (std::isfinite(before)) ahead += (curvature - before) * (length + da) / (length + length_before);
-      return ahead * da - off;
-    }
-    void follow(bool is_arc, double turn, double da, double too_much) {
-      before = is_arc ? curvature : nan;
-      length_before = length;
-      curvature = is_arc ? (turn - too_much + off) / da : nan;
-      length = da;
-      off = too_much;
-    }
   };
 
   Shape shape_;
