@@ -352,7 +352,8 @@ constexpr Key rows[] = {
     {"load[].at",
      Pair,
      {.required = true},
-     "The middle of the edge: a point of the outline or of a hole, half the width or more from corners. At a corner with "
+     "The middle of the edge: a point of the outline or of a hole, half the width or more from corners. At a corner "
+     "with "
      "a plane of symmetry it begins there, and half of its width is drawn.",
      "[5, 1]"},
     {"load[].force",
