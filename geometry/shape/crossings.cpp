@@ -2,7 +2,7 @@
 // Pieces of arcs are halved until their chords say what the arcs do: two pieces with sagittas p, q that are further
 // apart than p + q + gap do not meet. Pieces that share a point may meet there, but not in a wedge of less than 1e-5.
 // Every pair whose boxes meet is compared; of all meetings the one with the lowest pair of strands is told, loops
-// and regions before cracks, so that the message does not depend on the order of the sweep.
+// before cracks, so that the message does not depend on the order of the sweep.
 
 #include "geometry/shape/drawing.hpp"
 
@@ -267,32 +267,29 @@ std::optional<std::string> find_crossing(const Shape& shape, const Drawing& draw
   });
   Frames frames(chords, margin, order, drawing.extent);
 
-  // What is wrong with the loops and regions is said before what is wrong with the cracks, then the later strand
-  // decides the order. Of one pair of strands the first meeting in the sweep.
+  // What is wrong with the loops is said before what is wrong with the cracks: the later strand decides the order. Of
+  // one pair of strands the first meeting in the sweep.
   Meeting first;
-  std::tuple<bool, Index, Index> where{false, none, none};
-  const auto is_crack = [](const Strand& s) { return s.crack != none && !s.beyond; };
+  std::pair<Index, Index> where{none, none};
   const auto compare = [&](Index i, Index j) {
     if (j < i) std::swap(i, j);
     const Piece &p = pieces.pieces[std::size_t(i)], &q = pieces.pieces[std::size_t(j)];
+    if (first.how != How::Apart && where <= std::pair(q.strand, p.strand)) return;
     const Shared shared{p.a == q.a, p.a == q.b, p.b == q.a, p.b == q.b};
     const Strand &s = drawing.strands[std::size_t(p.strand)], &t = drawing.strands[std::size_t(q.strand)];
-    const std::tuple here(is_crack(s) || is_crack(t), q.strand, p.strand);
-    if (first.how != How::Apart && where <= here) return;
     if (p.strand == q.strand && shared.any()) return;  // neighbors on a smooth strand
     const bool same = of_one(s, t);
     const double gap = same || (s.crack == none && t.crack == none) ? gaps.loop : gaps.crack;
     const Meeting m = meeting(drawing, chords[std::size_t(i)], chords[std::size_t(j)], shared, {gap, gaps.crack});
     if (m.how == How::Apart) return;
     first = m;
-    where = here;
+    where = {q.strand, p.strand};
   };
   std::vector<Index> met;
   for (std::size_t k = 0; k < order.size(); ++k) {
     // What lies beyond the first meeting that is known is no matter any more.
     const auto matters = [&](Index piece) {
-      return first.how == How::Apart || std::get<0>(where) ||
-             pieces.pieces[std::size_t(piece)].strand <= std::get<1>(where);
+      return first.how == How::Apart || pieces.pieces[std::size_t(piece)].strand <= where.first;
     };
     if (!matters(order[k])) continue;
     met.clear();
@@ -303,8 +300,7 @@ std::optional<std::string> find_crossing(const Shape& shape, const Drawing& draw
     for (const Index other : met) compare(order[std::size_t(other)], order[k]);
   }
   if (first.how == How::Apart) return std::nullopt;
-  const Strand &s = drawing.strands[std::size_t(std::get<2>(where))],
-               &t = drawing.strands[std::size_t(std::get<1>(where))];
+  const Strand &s = drawing.strands[std::size_t(where.second)], &t = drawing.strands[std::size_t(where.first)];
   if (first.how == How::Touches && !of_one(s, t) &&
       ((s.loop != none && passes(drawing, pieces, s, t, first.at)) ||
        (t.region != none && passes(drawing, pieces, t, s, first.at))))

@@ -379,9 +379,15 @@ std::optional<std::string> find_problem(const Shape& shape) {
   if (Problem problem = lengths(shape, size)) return problem;
   const std::vector<bool> along = along_regions(shape);
   if (Problem problem = lengths_of_cracks(shape, size, along)) return problem;
+  const Gaps gaps{touch_tolerance * size, join_tolerance * size};
+  if (!shape.regions.empty() && !shape.cracks.empty()) {  // what is wrong with regions, before cracks cut them
+    Shape plain = shape;
+    plain.cracks.clear();
+    const Drawing uncut = draw(plain);
+    if (Problem problem = find_crossing(plain, uncut, split_evenly(uncut), gaps, true)) return problem;
+  }
   const Drawing drawing = draw(shape);
   const Pieces pieces = split_evenly(drawing);
-  const Gaps gaps{touch_tolerance * size, join_tolerance * size};
   if (Problem problem = find_crossing(shape, drawing, pieces, gaps, true)) return problem;
   if (std::ranges::any_of(drawing.strands, [](const Strand& s) { return s.beyond.has_value(); }))
     if (Problem problem = find_wrong_interface(shape, along)) return problem;

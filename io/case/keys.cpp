@@ -237,11 +237,10 @@ constexpr Key rows[] = {
     {"region[]",
      Tables,
      {.bare = true},
-     "Another material in a part of the body, bonded to it. Regions touch neither the outline nor holes or each "
-     "other, unless the case has an [[interface]]. They may lie around holes and cracks, be crossed by cracks, and lie "
+     "Another material in a part of the body, bonded to it. Its sides may lie on the outline, on holes and on those of "
+     "other regions (not with [optimize]), and cracks may cross them. Regions may lie around holes and cracks, and "
      "inside one another: the inner one counts. A region without a form is a physical surface of domain.file, where it "
-     "may touch "
-     "anything."},
+     "may touch anything."},
     {"region[].name", Name, {.required = true}, "Named in messages and by optimize.frozen.", "\"stiff\""},
     {"region[].circle",
      Table,
@@ -280,10 +279,8 @@ constexpr Key rows[] = {
     {"interface[]",
      Tables,
      {},
-     "The border between two regions as a crack whose faces touch: a press fit, a ring in a ring, layers. Where there "
-     "is "
-     "one, regions may share sides with one another, with the outline and with holes; borders without an interface "
-     "are bonded. For solve, map and validate."},
+     "The border between two regions as a crack whose faces touch: a press fit, a ring in a ring, layers. Borders "
+     "without an interface are bonded. For solve, map and validate."},
     {"interface[].name",
      Name,
      {.required = true},

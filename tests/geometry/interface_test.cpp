@@ -183,7 +183,7 @@ TEST(Interfaces, AreRefusedWhereRegionsAreWrong) {
   };
   const std::vector<Vec2> middle{{0, 0.5}, {2, 0.5}};
   EXPECT_EQ(problem({box("A", 0, 0.5, 2, 1)}, middle), "");
-  EXPECT_EQ(problem({box("A", 0, 0.5, 3, 1)}, middle).substr(0, 30), "crack 'i' overlaps region 'A' ");
+  EXPECT_EQ(problem({box("A", 0, 0.5, 3, 1)}, middle).substr(0, 30), "region 'A' crosses the outline");
   EXPECT_EQ(problem({box("A", 0, 0.5, 3, 1)}, {{0.5, 0.2}, {1, 0.2}}).substr(0, 30), "region 'A' crosses the outline");
   const Loop bulge = polygon("A", {{0, 0.5}, {2, 0.5}, {3, 0.75}, {2, 1}, {0, 1}}, none);
   EXPECT_EQ(problem({bulge}, middle).substr(0, 28), "region 'A' leaves the body a");
