@@ -142,6 +142,8 @@ std::optional<Hit> first_hit(const std::vector<Obstacle>& all, const Vec2& tip, 
       if (const auto s = crossing(from, path[k], o.a, o.b);
           s && (!nearest || *s + static_cast<double>(k) < nearest->along)) {
         const Vec2 at = from + *s * (path[k] - from);
+        // Of pieces on one line rounding alone decides which side is which: what lies elsewhere is not met.
+        if (distance(at, o.a, o.b) > 1e-6 * (path[k] - from).norm()) continue;
         nearest = Hit{o.arc ? onto(*o.arc, at) : at, o.name, static_cast<double>(k) + *s};
       }
     if (nearest) return nearest;

@@ -149,6 +149,22 @@ TEST(Grow, TwoCracksAndTwoHoles) {
   }
 }
 
+// A path of many pieces on one line does not meet itself: K to the end, by Kaya and Erdogan (Q. Appl. Math. 45, 1987):
+// 1.1892 and 1.3673 sigma sqrt(pi a) at a tenth and a fifth of the width.
+TEST(Grow, AStraightPathDoesNotMeetItself) {
+  Body b = plate(50, 250, {"c", {{-25, 0}, {-24, 0}}, {}}, 100);
+  b.scene.supports.clear();
+  b.scene.tractions.push_back({0, [](const Vec2&, const Vec2&) { return Vec2(0, -100); }});
+  const Grown g = grown(b, {.law = paris, .step = 0.5, .length = 10});
+  EXPECT_NE(g.ended.find("as asked"), std::string::npos) << g.ended << g.notes.size();
+  ASSERT_EQ(g.steps.size(), 19u);
+  const auto geometry = [&](std::size_t k) {
+    return g.steps[k].tips.at(0).K_I / (100 * std::sqrt(pi * g.steps[k].tips.at(0).a));
+  };
+  EXPECT_NEAR(geometry(8), 1.1892, 2e-3);
+  EXPECT_NEAR(geometry(18), 1.3673, 2e-3);
+}
+
 TEST(Grow, SaysWhyItEnds) {
   const Body b = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1);
   EXPECT_EQ(grown(b, {.law = GrowthLaw{.form = Paris{1e-11, 3}, .threshold = 100}}).ended,
