@@ -1,6 +1,7 @@
 // Places along the boundary. Tangents are those of arcs where edges follow them, else of the edges. Two edges that meet
 // at more than `corner` make a corner; chords that turn by less stand for a curve, whose curvature is half the turns at
-// both ends over the length. The room across the body is what rays at 30, 60, 90, 120 and 150 degrees meet first.
+// both ends over the length. The room across the body is what rays at 30, 60, 90, 120 and 150 degrees
+// meet first, over the sine of the angle: that of a disc is its diameter in each direction.
 
 #include "inspect/boundary.hpp"
 
@@ -141,8 +142,9 @@ std::vector<Place> places_along(const Model& model, int count) {
         for (const auto& [a, b] : held) p.support = std::min(p.support, distance(p.at, a, b));
         if (run.held) p.support = 0;
         for (const double angle : {pi / 6, pi / 3, pi / 2, 2 * pi / 3, 5 * pi / 6})
-          p.across = std::min(p.across,
-                              ray(all, p.at, std::cos(angle) * tangent + std::sin(angle) * p.inward, run.length / 2));
+          p.across = std::min(
+              p.across,
+              ray(all, p.at, std::cos(angle) * tangent + std::sin(angle) * p.inward, run.length / 2) / std::sin(angle));
       }
     }
   });

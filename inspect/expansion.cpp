@@ -64,16 +64,27 @@ const std::array<Vec2, samples>& sample_places() {
   return all;
 }
 
-LocalStress fit_stress(const Eigen::Matrix<double, 3, samples>& values) {
-  using Fit = Eigen::Matrix<double, samples, 6>;
-  static const std::pair<Fit, Eigen::Matrix<double, 6, samples>> fit = [] {
+LocalStress fit_stress(const Eigen::Matrix<double, 3, samples>& values, const Vec2& loads) {
+  using Points = Eigen::Matrix<double, samples, 6>;
+  struct Fit {
+    Points of;
+    Eigen::Matrix<double, 6, samples> free;
+    Eigen::Matrix<double, 5, samples> tied;  // without the constant term
+  };
+  static const Fit fit = [] {
     Fit f;
-    for (int i = 0; i < samples; ++i) f.row(i) = monomials(sample_places()[static_cast<std::size_t>(i)]).transpose();
-    return std::pair(f, Eigen::Matrix<double, 6, samples>(f.completeOrthogonalDecomposition().pseudoInverse()));
+    for (int i = 0; i < samples; ++i) f.of.row(i) = monomials(sample_places()[static_cast<std::size_t>(i)]).transpose();
+    f.free = f.of.completeOrthogonalDecomposition().pseudoInverse();
+    f.tied = f.of.rightCols<5>().completeOrthogonalDecomposition().pseudoInverse();
+    return f;
   }();
   LocalStress stress;
-  stress.of = values * fit.second.transpose();
-  const double left = (stress.of * fit.first.transpose() - values).norm() / std::sqrt(static_cast<double>(samples));
+  stress.of.row(0) = values.row(0) * fit.free.transpose();
+  for (int k = 0; k < 2; ++k) {
+    stress.of(1 + k, 0) = loads[k];
+    stress.of.block<1, 5>(1 + k, 1) = (values.row(1 + k).array() - loads[k]).matrix() * fit.tied.transpose();
+  }
+  const double left = (stress.of * fit.of.transpose() - values).norm() / std::sqrt(static_cast<double>(samples));
   const double largest = values.colwise().norm().maxCoeff();
   stress.rough = largest > 0 ? left / largest : 0;
   return stress;

@@ -12,10 +12,11 @@ struct LocalStress {
   double rough = 0;  // root mean square of what the fit leaves, over the largest stress fitted
 };
 
-/// Where the stress is looked at: (x, y) over the length; and the fit to values there, a column each.
+/// Where the stress is looked at: (x, y) over the length; and the fit to values there, a column each. `loads`: s22 and
+/// s12 at the place itself, which the loads on the boundary say exactly.
 inline constexpr int samples = 11;
 const std::array<Vec2, samples>& sample_places();
-LocalStress fit_stress(const Eigen::Matrix<double, 3, samples>& values);
+LocalStress fit_stress(const Eigen::Matrix<double, 3, samples>& values, const Vec2& loads);
 
 /// The boundary that a crack leaves.
 struct MouthAt {

@@ -25,10 +25,10 @@ using Complex = std::complex<double>;
 constexpr int grading = 4;  // of the points towards the mouth: s = ((1 + y)/2)^grading
 
 /// Normal traction and shear at z across the direction `turn` = exp(2 i beta), of a dislocation A at z0.
-struct Traction {
+struct FaceLoad {
   double normal, shear;
 };
-Traction traction(Complex z, Complex z0, Complex A, double eps, Complex turn) {
+FaceLoad traction(Complex z, Complex z0, Complex A, double eps, Complex turn) {
   using std::conj;
   const Complex i(0, 1), c0 = conj(z0), Ac = conj(A);
   const Complex Z = i + eps * z, Z0 = i + eps * z0, C0 = conj(Z0);
@@ -68,8 +68,8 @@ Equations equations(double beta, double eps, int n) {
     e.mouth[q] = (n % 2 == 0 ? -1 : 1) * sign * std::tan(angle / 2) / n;
     const Complex z0 = s_at(angle) * along;
     for (int r = 0; r < n - 1; ++r) {
-      const Traction open = traction(e.at[r] * along, z0, along, eps, turn);
-      const Traction slide = traction(e.at[r] * along, z0, Complex(0, -1) * along, eps, turn);
+      const FaceLoad open = traction(e.at[r] * along, z0, along, eps, turn);
+      const FaceLoad slide = traction(e.at[r] * along, z0, Complex(0, -1) * along, eps, turn);
       e.normal_open(r, q) = pi / n * open.normal;
       e.shear_open(r, q) = pi / n * open.shear;
       e.normal_slide(r, q) = pi / n * slide.normal;

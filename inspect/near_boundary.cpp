@@ -57,14 +57,19 @@ std::optional<LocalStress> NearBoundary::stress_near(const Place& place, double 
     values.col(i) << tangent.dot(full * tangent), place.inward.dot(full * place.inward),
         tangent.dot(full * place.inward);
   }
-  return fit_stress(values);
+  const Vec2 load = load_on(place);
+  return fit_stress(values, {-place.inward.dot(load), -tangent.dot(load)});
+}
+
+Vec2 NearBoundary::load_on(const Place& place) const {
+  Vec2 sum = Vec2::Zero();
+  for (const kerf::Traction& load : model_.scene.tractions)
+    if (load.label == model_.mesh.label[place.edge]) sum += load.value(place.at, -place.inward);
+  return sum;
 }
 
 double NearBoundary::pressure_on(const Place& place) const {
-  double pressure = 0;
-  for (const kerf::Traction& load : model_.scene.tractions)
-    if (load.label == model_.mesh.label[place.edge]) pressure += load.value(place.at, -place.inward).dot(place.inward);
-  return std::max(pressure, 0.);
+  return std::max(load_on(place).dot(place.inward), 0.);
 }
 
 EdgeCrack NearBoundary::at(const Place& place, double length, std::optional<double> angle) const {

@@ -29,6 +29,7 @@ class NearBoundary {
   RecoveredStress recovered_;
   Locator locator_;
   std::vector<Place> places_;
+  Vec2 load_on(const Place& place) const;  // traction
   std::optional<LocalStress> stress_near(const Place& place, double length) const;
 };
 

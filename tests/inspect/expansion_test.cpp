@@ -22,7 +22,7 @@ LocalStress near(const Field& field, double length) {
     const Vec2 x = length * sample_places()[static_cast<std::size_t>(i)];
     values.col(i) = field(x.x(), x.y());
   }
-  return fit_stress(values);
+  return fit_stress(values, values.col(0).tail<2>());
 }
 
 /// Kirsch: a plate with a hole of radius 1 under the stress `all` all round and `along` x besides; at the rim in the
@@ -73,6 +73,22 @@ TEST(Expansion, TheStressAlongTheBoundaryTurnsTheCrack) {
   // The mirror image turns the other way.
   const LocalStress mirrored = near(hole(0, 1, 135 * degree), 0.02);
   EXPECT_NEAR(worst_angle(mouths, mirrored, {0.02, -1}), pi - beta, 2e-3);
+}
+
+// By dislocations outside the circle, with Kirsch's tractions along the crack: at 43.2226 degrees round the rim, at
+// 107.091 to it.
+TEST(Expansion, OfALeaningCrackAtAHole) {
+  struct Row {
+    double a, K_I, K_II, near;
+  };
+  const Mouths mouths(0);
+  const double angle = std::atan2(.684834, .728699);
+  for (const Row& row :
+       {Row{.02, .23762207, .03102997, 1e-3}, {.05, .38788042, .02315589, 5e-3}, {.1, .568294, -.02032068, 0.016}}) {
+    const EdgeIntensity k = intensity(mouths, near(hole(0, 1, angle), row.a), {row.a, -1}, 107.091 * degree);
+    EXPECT_NEAR(k.K_I, row.K_I, row.near * row.K_I);
+    EXPECT_NEAR(k.K_II, row.K_II, row.near * row.K_I);
+  }
 }
 
 TEST(Expansion, OfADisc) {
