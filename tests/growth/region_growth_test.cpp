@@ -135,7 +135,9 @@ TEST(GrowThroughRegions, RandomDiscs) {
     for (const GrowthStep& s : g.steps) {
       ASSERT_EQ(s.tips.size(), 1u);
       EXPECT_TRUE(std::isfinite(s.tips[0].K_I));
-      if (s.number > 0) EXPECT_LT(std::abs(s.tips[0].K_II), 2e-3 * s.tips[0].K_I) << k << ' ' << s.number;
+      if (s.number > 0) {
+        EXPECT_LT(std::abs(s.tips[0].K_II), 2e-3 * s.tips[0].K_I) << k << ' ' << s.number;
+      }
       const double away = std::abs((s.tips[0].at - disc.sides[0].arc->center).norm() - r);
       EXPECT_GT(away, 0.008) << k << ' ' << s.number;
     }
