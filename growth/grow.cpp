@@ -562,7 +562,7 @@ class Growing {
       std::vector<TipIntensity> tips;
       for (const GrownTip& tip : s.tips) tips.push_back(now.tips.at(tip.end));
       const Adapted& body = body_of(now);
-      return bound_state(body.model, body.state, tips);
+      return bound_state(body.model, body.state, tips, how_.threads);
     });
     bounds_.push_back(found);
     const double high = over_state();

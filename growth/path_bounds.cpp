@@ -5,10 +5,12 @@
 #include "growth/path_bounds.hpp"
 
 #include "growth/kink.hpp"
+#include "solver/open_faces.hpp"
 #include "solver/witness.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace kerf::growth {
 
@@ -20,15 +22,19 @@ Interval of(const Bounded& b) {
 
 }  // namespace
 
-StateBounds bound_state(const Model& model, const State& state, std::span<const TipIntensity> tips) {
+StateBounds bound_state(const Model& model, const State& state, std::span<const TipIntensity> tips, int threads) {
   const EnergyBounds energy = energy_bounds(model, state);
   StateBounds out{.energy = {energy.lower, energy.upper}, .guaranteed = energy.guaranteed, .note = energy.note};
-  const QuantityBounds bounds(model, state);
+  std::optional<Opened> free;
+  if (open_everywhere(model, state)) free.emplace(opened(model, threads));
+  const QuantityBounds bounds(free ? free->model : model, free ? free->state : state);
   QuantityRequest request;
   request.tips.assign(tips.begin(), tips.end());
   std::vector<TipBounds> found = bounds.all(request).tips;
   for (std::size_t i = 0; i < tips.size(); ++i) {
     confront(found[i], tips[i]);
+    if (free)
+      for (Bounded* b : {&found[i].K_I, &found[i].K_II, &found[i].G}) qualify(*b, of_opened);
     const TipBounds& b = found[i];
     out.tips.push_back({.end = {tips[i].crack, tips[i].at_start},
                         .K_I = of(b.K_I),

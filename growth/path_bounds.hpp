@@ -6,8 +6,9 @@
 
 namespace kerf::growth {
 
-/// Of a state, for those of its tips that grow. K by rings is a witness: what lies outside makes an estimate.
-StateBounds bound_state(const Model& model, const State& state, std::span<const TipIntensity> tips);
+/// Of a state, for those of its tips that grow. K by rings is a witness: what lies outside makes an estimate. Of cracks
+/// that may touch and do not, K and G are those of cracks that never do, and not guaranteed.
+StateBounds bound_state(const Model& model, const State& state, std::span<const TipIntensity> tips, int threads);
 
 /// The largest k_1 of a kink between K_I and K_II within the interval: it rises with K_I and with |K_II|.
 Interval opening_bounds(const Interval& K_I, const Interval& K_II);
