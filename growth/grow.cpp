@@ -578,7 +578,8 @@ class Growing {
     }
   }
 
-  /// Of the life: where one tip, whose K at both loads of a cycle are in proportion, is the fastest at every step.
+  /// Of the life: where one tip, whose K at both loads of a cycle are in proportion, is the fastest at every step, as
+  /// fast as any other but for a tie.
   void bound_life_of(PathBounds& out) const {
     if (!of_.law || !proportional_ || !block_.empty() || grown_.steps.size() < 3) return;
     const CrackEnd end = std::ranges::max_element(grown_.steps.front().tips, {}, &GrownTip::rate)->end;
@@ -587,7 +588,7 @@ class Growing {
     for (const GrowthStep& s : grown_.steps) {
       const auto tip = std::ranges::find(s.tips, end, &GrownTip::end);
       if (tip == s.tips.end() || !tip->in || !std::isfinite(tip->in->K_I.low + tip->in->K_II.high)) return;
-      if (std::ranges::any_of(s.tips, [&](const GrownTip& t) { return t.da > tip->da; })) return;
+      if (std::ranges::any_of(s.tips, [&](const GrownTip& t) { return (1 - tie) * t.da > tip->da; })) return;
       path.push_back({.a = track.x[path.size()], .top = *tip->in, .least = of_.min / of_.max});
     }
     const auto interval = [](const LifeBounds& b) { return Interval{b.lower, b.upper}; };
