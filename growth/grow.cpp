@@ -92,18 +92,21 @@ struct Obstacle {
   std::string name;
   const Arc* arc = nullptr;
 };
+/// The arc must outlive them.
+void add_arc(const Arc& arc, const std::string& name, std::vector<Obstacle>& all) {
+  constexpr int pieces = 64;
+  const std::vector<Vec2> p = points_on(arc, pieces);
+  for (std::size_t k = 0; k < pieces; ++k) all.push_back({p[k], p[k + 1], name, &arc});
+}
 /// The sides of a loop, which must outlive them.
 void add_loop(const Loop& loop, const std::string& name, std::vector<Obstacle>& all) {
-  constexpr int pieces = 64;  // of an arc
   for (std::size_t i = 0; i < loop.sides.size(); ++i) {
     const Side& side = loop.sides[i];
     if (!side.arc) {
       all.push_back({side.start, loop.sides[(i + 1) % loop.sides.size()].start, name});
       continue;
     }
-    const std::vector<Vec2> p = points_on(*side.arc, pieces);
-    for (int k = 0; k < pieces; ++k)
-      all.push_back({p[static_cast<std::size_t>(k)], p[static_cast<std::size_t>(k) + 1], name, &*side.arc});
+    add_arc(*side.arc, name, all);
   }
 }
 /// `shape` must outlive them.
@@ -115,6 +118,10 @@ std::vector<Obstacle> obstacles(const Shape& shape, const CrackEnd& own) {
     const Crack& crack = shape.cracks[c];
     const auto& p = crack.points;
     const bool is_own = static_cast<Index>(c) == own.crack;
+    if (crack.arc) {
+      add_arc(*crack.arc, fmt::format("crack \"{}\"", crack.name), all);
+      continue;
+    }
     const std::size_t count = p.size() - 1;  // edges
     for (std::size_t i = 0; i < count; ++i) {
       // The edges next to the tip are what it grows from.
