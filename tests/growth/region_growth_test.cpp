@@ -154,5 +154,14 @@ TEST(GrowThroughRegions, ATipOnABorderStays) {
   EXPECT_THROW(grown(b, {.toughness = 1, .tips = {{0, false}}, .step = 0.2}), Error);
 }
 
+// An arc in the way is met at (1.2, 0), .14 before its chord.
+TEST(GrowThroughRegions, AnArcIsMetWhereItIs) {
+  Body b = plate(10, 10, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1);
+  b.shape.cracks.push_back(arc_crack("d", {2, 0}, 0.8, pi - 0.6, pi + 0.6));
+  b.scene.laws.push_back({.kind = CrackLaw::Kind::Open});
+  const Grown g = grown(b, {.toughness = 1, .tips = {{0, false}}, .step = 0.2, .steps = 9});
+  EXPECT_TRUE(says(g, "c:end reaches crack \"d\" at (1.2")) << g.ended;
+}
+
 }  // namespace
 }  // namespace kerf::region_growth_test
