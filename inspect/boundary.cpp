@@ -108,7 +108,7 @@ double ray(const Segments& all, const Vec2& from, const Vec2& along, double begi
 
 }  // namespace
 
-std::vector<Place> places_along(const Model& model, int count) {
+std::vector<BoundaryPlace> places_along(const Model& model, int count) {
   const Mesh& mesh = model.mesh;
   const std::vector<Run> runs = runs_of(model);
   const std::vector<Index> singular = singular_vertices(model);
@@ -120,13 +120,13 @@ std::vector<Place> places_along(const Model& model, int count) {
       corners.push_back(mesh.points[run.from]);
   }
   const Segments all = features(mesh);
-  std::vector<Place> places(runs.size() * static_cast<std::size_t>(count));
+  std::vector<BoundaryPlace> places(runs.size() * static_cast<std::size_t>(count));
   parallel_for(static_cast<Index>(runs.size()), model.threads, [&](Index first, Index last) {
     for (Index r = first; r < last; ++r) {
       const Run& run = runs[static_cast<std::size_t>(r)];
       const auto& [left, right] = mesh.sides[run.edge];
       for (int i = 0; i < count; ++i) {
-        Place& p = places[static_cast<std::size_t>(r * count + i)];
+        BoundaryPlace& p = places[static_cast<std::size_t>(r * count + i)];
         const double s = (2 * i + 1) / (2. * count);
         const Vec2 tangent = tangent_at(mesh, run, s);
         p.inward = Vec2(-tangent.y(), tangent.x());

@@ -5,7 +5,7 @@
 
 namespace kerf::inspect {
 
-struct Place {
+struct BoundaryPlace {
   Vec2 at = Vec2::Zero(), inward = Vec2::Zero();  // the tangent is `inward` turned by -90 degrees: the body to its left
   double curvature = 0;                           // positive: the body is convex
   Index edge = none, triangle = none;
@@ -17,6 +17,6 @@ struct Place {
 
 /// `count` places on every edge of the boundary, by the numbers of the edges; arcs of the mesh are followed, and chords
 /// of curves have the curvature that they turn by.
-std::vector<Place> places_along(const Model& model, int count);
+std::vector<BoundaryPlace> places_along(const Model& model, int count);
 
 }  // namespace kerf::inspect

@@ -66,11 +66,12 @@ EdgeCrackMap edge_cracks(const Model& model, const State& state, const EdgeCrack
   check(model, request);
   if (tolerance) check(*tolerance);
   const NearBoundary near(model, state, request.friction, request.pressurized);
-  std::vector<Place> places = near.places();
+  std::vector<BoundaryPlace> places = near.places();
   if (!request.points.empty()) {
-    std::vector<Place> asked;
+    std::vector<BoundaryPlace> asked;
     for (const Vec2& x : request.points)
-      asked.push_back(*std::ranges::min_element(places, {}, [&](const Place& p) { return (p.at - x).squaredNorm(); }));
+      asked.push_back(
+          *std::ranges::min_element(places, {}, [&](const BoundaryPlace& p) { return (p.at - x).squaredNorm(); }));
     places = std::move(asked);
   }
   EdgeCrackMap map{.length = request.length, .places = {}, .worst = {}};

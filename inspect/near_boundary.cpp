@@ -15,12 +15,12 @@ namespace {
 constexpr double room_across = 0.09, room_of_radius = 0.17, room_to_corners = 0.2;
 constexpr double smooth = 0.05;  // of LocalStress::rough
 
-double valid_length(const Place& p) {
+double valid_length(const BoundaryPlace& p) {
   const double round = p.curvature == 0 ? infinity : room_of_radius / std::abs(p.curvature);
   return std::min({round, room_across * p.across, room_to_corners * std::min({p.corner, p.singular, p.support})});
 }
 
-Masked why_masked(const Place& p, double length, double rough) {
+Masked why_masked(const BoundaryPlace& p, double length, double rough) {
   if (length > room_to_corners * p.support) return Masked::Support;
   if (length > room_to_corners * p.singular) return Masked::Reentrant;
   if (length > room_to_corners * p.corner) return Masked::Convex;
@@ -41,7 +41,7 @@ NearBoundary::NearBoundary(const Model& model, const State& state, double fricti
 
 // In the frame of the boundary. Points on the boundary itself may lie outside of its chords by rounding: they take the
 // triangle beside them.
-std::optional<LocalStress> NearBoundary::stress_near(const Place& place, double length) const {
+std::optional<LocalStress> NearBoundary::stress_near(const BoundaryPlace& place, double length) const {
   const Vec2 tangent(place.inward.y(), -place.inward.x());
   Eigen::Matrix<double, 3, samples> values;
   for (int i = 0; i < samples; ++i) {
@@ -61,18 +61,18 @@ std::optional<LocalStress> NearBoundary::stress_near(const Place& place, double 
   return fit_stress(values, {-place.inward.dot(load), -tangent.dot(load)});
 }
 
-Vec2 NearBoundary::load_on(const Place& place) const {
+Vec2 NearBoundary::load_on(const BoundaryPlace& place) const {
   Vec2 sum = Vec2::Zero();
   for (const kerf::Traction& load : model_.scene.tractions)
     if (load.label == model_.mesh.label[place.edge]) sum += load.value(place.at, -place.inward);
   return sum;
 }
 
-double NearBoundary::pressure_on(const Place& place) const {
+double NearBoundary::pressure_on(const BoundaryPlace& place) const {
   return std::max(load_on(place).dot(place.inward), 0.);
 }
 
-EdgeCrack NearBoundary::at(const Place& place, double length, std::optional<double> angle) const {
+EdgeCrack NearBoundary::at(const BoundaryPlace& place, double length, std::optional<double> angle) const {
   EdgeCrack crack{.at = place.at, .inward = place.inward, .along = place.length, .curvature = place.curvature};
   crack.valid_length = valid_length(place);
   const std::optional<LocalStress> stress = stress_near(place, length);

@@ -12,13 +12,13 @@ class NearBoundary {
  public:
   /// `model` and `state` must outlive it.
   NearBoundary(const Model& model, const State& state, double friction, bool pressurized);
-  const std::vector<Place>& places() const {
+  const std::vector<BoundaryPlace>& places() const {
     return places_;
   }
   /// At a given angle, or the worst one for that length.
-  EdgeCrack at(const Place& place, double length, std::optional<double> angle) const;
+  EdgeCrack at(const BoundaryPlace& place, double length, std::optional<double> angle) const;
   /// Of the loads on the boundary, 0 for a pull.
-  double pressure_on(const Place& place) const;
+  double pressure_on(const BoundaryPlace& place) const;
 
  private:
   const Model& model_;
@@ -28,9 +28,9 @@ class NearBoundary {
   Corners corners_;
   RecoveredStress recovered_;
   Locator locator_;
-  std::vector<Place> places_;
-  Vec2 load_on(const Place& place) const;  // traction
-  std::optional<LocalStress> stress_near(const Place& place, double length) const;
+  std::vector<BoundaryPlace> places_;
+  Vec2 load_on(const BoundaryPlace& place) const;  // traction
+  std::optional<LocalStress> stress_near(const BoundaryPlace& place, double length) const;
 };
 
 }  // namespace kerf::inspect

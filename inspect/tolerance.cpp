@@ -27,7 +27,7 @@ double toughness_of(const ToleranceRequest& r) {
 }
 
 /// Lengths from `from` to `to`, until the stress is no longer smooth over one.
-std::vector<growth::PathPoint> path_of(const NearBoundary& near, const Place& place, double angle,
+std::vector<growth::PathPoint> path_of(const NearBoundary& near, const BoundaryPlace& place, double angle,
                                        std::array<double, 2> lengths, const ToleranceRequest& r) {
   constexpr int steps = 8;
   std::vector<growth::PathPoint> path;
@@ -41,7 +41,7 @@ std::vector<growth::PathPoint> path_of(const NearBoundary& near, const Place& pl
 }
 
 /// Below the length of the map.
-double shorter(const NearBoundary& near, const Place& place, const EdgeCrack& crack, double length, double K) {
+double shorter(const NearBoundary& near, const BoundaryPlace& place, const EdgeCrack& crack, double length, double K) {
   double a = length;
   for (int i = 0; i < 5; ++i) a *= std::pow(K / near.at(place, a, crack.angle).K, 2);
   return a;
@@ -60,7 +60,7 @@ void check(const ToleranceRequest& r) {
                                           r.min, r.max));
 }
 
-Tolerance tolerate(const NearBoundary& near, const Place& place, const EdgeCrack& crack, double length,
+Tolerance tolerate(const NearBoundary& near, const BoundaryPlace& place, const EdgeCrack& crack, double length,
                    const ToleranceRequest& r) {
   Tolerance t;
   if (crack.masked != Masked::No) return t;
@@ -84,7 +84,7 @@ Tolerance tolerate(const NearBoundary& near, const Place& place, const EdgeCrack
   return t;
 }
 
-void set_safe_length(const std::vector<Place>& places, EdgeCrackMap& map) {
+void set_safe_length(const std::vector<BoundaryPlace>& places, EdgeCrackMap& map) {
   for (std::size_t i = 0; i < places.size(); ++i)
     if (const double a = map.tolerance[i].critical_length; !(a >= map.safe_length) && !std::isnan(a))
       map.safe_length = a, map.safe_at = i;
@@ -93,7 +93,7 @@ void set_safe_length(const std::vector<Place>& places, EdgeCrackMap& map) {
     all += places[i].length;
     const EdgeCrack& crack = map.places[i];
     const bool known = crack.masked == Masked::No &&
-                       (!std::isnan(map.tolerance[i].critical_length) || crack.valid_length >= map.safe_length);
+                       (!std::isnan(map.tolerance[i].critical_length) || !(crack.valid_length < map.safe_length));
     if (!known) open += places[i].length;
   }
   map.open_share = all > 0 ? open / all : 0;

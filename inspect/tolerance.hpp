@@ -9,9 +9,9 @@ namespace kerf::inspect {
 void check(const ToleranceRequest& request);
 
 /// `crack`: that of `length` at the place, whose line it keeps.
-Tolerance tolerate(const NearBoundary& near, const Place& place, const EdgeCrack& crack, double length,
+Tolerance tolerate(const NearBoundary& near, const BoundaryPlace& place, const EdgeCrack& crack, double length,
                    const ToleranceRequest& request);
 
-void set_safe_length(const std::vector<Place>& places, EdgeCrackMap& map);
+void set_safe_length(const std::vector<BoundaryPlace>& places, EdgeCrackMap& map);
 
 }  // namespace kerf::inspect

@@ -131,6 +131,71 @@ TEST(EdgeCracks, CriticalLengthAndLifeOfAStrip) {
   EXPECT_EQ(edge_cracks(s.model, s.state, request, ToleranceRequest{.law = law}).tolerance[0].how, Tolerated::Rests);
 }
 
+// The handbook of H. Tada, P. C. Paris and G. R. Irwin, section 2.10 (0.5 % up to a/W = 0.6): what valid_length is for.
+TEST(EdgeCracks, AtTheSideOfAStrip) {
+  const double W = 10;
+  const Solved s = solved(plate(W, 40, stress(0, 1)));
+  for (const double x : {0.02, 0.05, 0.089}) {
+    const EdgeCrackMap map = edge_cracks(s.model, s.state, {.length = x * W, .points = {{-W / 2, 0.1}}});
+    const double F = 1.122 - 0.231 * x + 10.55 * x * x - 21.71 * std::pow(x, 3) + 30.382 * std::pow(x, 4);
+    EXPECT_EQ(map.places[0].masked, Masked::No);
+    EXPECT_NEAR(map.places[0].K / std::sqrt(pi * x * W), F, 0.05 * F) << x;
+    EXPECT_NEAR(map.places[0].valid_length, 0.09 * W, 1e-6 * W);
+  }
+  EXPECT_EQ(edge_cracks(s.model, s.state, {.length = 0.1 * W, .points = {{-W / 2, 0.1}}}).places[0].masked,
+            Masked::Near);
+}
+
+/// Drawn cracks at the places of a map that lie nearest to `at`.
+std::vector<DrawnPlace> draw(const Solved& s, const std::vector<Vec2>& at, const std::vector<double>& lengths) {
+  const EdgeCrackRequest request{.length = lengths[0], .points = at};
+  const EdgeCrackMap map = edge_cracks(s.model, s.state, request);
+  return draw_cracks(s.model, s.state, {s.body.shape, s.body.sizing}, request, map.places, lengths, {});
+}
+
+void expect_to_hold(const std::vector<DrawnPlace>& drawn, double error) {
+  for (const DrawnPlace& place : drawn) {
+    EXPECT_EQ(place.verdict, Verdict::Holds) << place.reason;
+    for (const DrawnEdge& row : place.rows) EXPECT_LT(row.error, error) << row.length;
+  }
+}
+
+// A convex rim whose stress falls outwards: 1 - (1 + 3 nu)/(3 + nu) of that in the middle.
+TEST(EdgeCracks, AtTheRimOfARotatingDisc) {
+  Body b;
+  b.shape.outline = circle("outline", {0, 0}, 1, 0);
+  b.shape.labels = {"rim"};
+  b.scene.material = plane_stress(100, 0.3);
+  b.scene.body = [](const Vec2& x) -> Vec2 { return x; };
+  b.sizing = {.size = 0.2, .curved = true};
+  const Solved s = solved(std::move(b), bdms(3));
+  const EdgeCrackMap map = edge_cracks(s.model, s.state, {.length = 0.05});
+  for (const EdgeCrack& crack : map.places) EXPECT_NEAR(crack.stress, (1 - 0.3) / 4, 2e-3);
+  expect_to_hold(draw(s, {{1, 0}}, {0.1, 0.05}), 0.03);
+}
+
+// A quarter of a ring held at one end and pushed at the other: the hollow and the convex side.
+TEST(EdgeCracks, OfACurvedBeam) {
+  Body b;
+  const Vec2 o(0, 0);
+  b.shape.outline.name = "outline";
+  b.shape.outline.sides = {{{2, 0}, 0, Arc{o, 2 * Mat2::Identity(), 0, pi / 2}},
+                           {{0, 2}, 1, {}},
+                           {{0, 1}, 0, Arc{o, Mat2::Identity(), pi / 2, 0}},
+                           {{1, 0}, 2, {}}};
+  b.shape.labels = {"free", "held", "pushed"};
+  b.scene.material = plane_stress(100, 0.3);
+  b.scene.supports = {{1, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
+  b.scene.tractions = {{2, [](const Vec2&, const Vec2&) -> Vec2 { return {1, 0}; }}};
+  b.sizing = {.size = 0.15, .curved = true};
+  const Solved s = solved(std::move(b), bdms(3));
+  const double r = std::sqrt(0.5);
+  const EdgeCrackMap map = edge_cracks(s.model, s.state, {.length = 0.05, .points = {{r, r}, {2 * r, 2 * r}}});
+  EXPECT_NEAR(map.places[0].curvature, -1, 1e-6);
+  EXPECT_NEAR(map.places[1].curvature, 0.5, 1e-6);
+  expect_to_hold(draw(s, {{r, r}, {2 * r, 2 * r}}, {0.08, 0.04}), 0.05);
+}
+
 TEST(EdgeCracks, MasksByName) {
   Body b;
   b.shape.outline = polygon("outline", {{0, 0}, {10, 0}, {10, 4}, {4, 4}, {4, 10}, {0, 10}}, 0);
