@@ -81,7 +81,9 @@ TEST(RegionCracks, CrossCurvedBorders) {
         const Mesh m = triangulate(square({region}, {crack}), {.size = 0.2, .curved = curved});
         const Arc& border = *region.sides[0].arc;
         const double whole = pi * std::abs(determinant(border));
-        if (!curved) EXPECT_NEAR(area_of(m, 0), whole, 2e-4 * whole);
+        if (!curved) {
+          EXPECT_NEAR(area_of(m, 0), whole, 2e-4 * whole);
+        }
         const std::set<Index> on = on_borders(m);
         std::vector<Vec2> both;
         for (const Index v : path(m, 0))
