@@ -202,7 +202,7 @@ struct Solved {
   double load = 1;
   std::shared_ptr<const Adapted> body;
   std::size_t number = 0;  // in the record
-  double potential = 0, resting = 0;
+  double potential = 0, strain = 0, resting = 0;
   std::map<CrackEnd, TipIntensity> tips;
 };
 
@@ -299,11 +299,13 @@ class Growing {
       s.body = solved_body(s);
       const Model& m = s.body->model;
       return SolvedState{.potential = potential_energy(m, s.body->state),
+                         .strain = strain_energy(m, s.body->state),
                          .resting = nothing(*s.body),
                          .tips = crack_tips(m, s.body->state)};
     });
     s.number = record_.place() - 1;
     s.potential = told.potential;
+    s.strain = told.strain;
     s.resting = told.resting;
     for (const TipIntensity& t : told.tips) s.tips[{t.crack, t.at_start}] = t;
     return s;
@@ -353,16 +355,22 @@ class Growing {
                   "[grow]: the body has no tip that can grow; a crack that is given by a path ends inside");
   }
 
-  /// The load factor along the growth, and the displacement at which the loads do their work: 2 abs(energy) of the
-  /// state times the factor where loads alone act. Where displacements alone are prescribed the two change their parts.
+  /// The load factor along the growth, and the displacement at which the loads do their work. Where loads alone act the
+  /// potential energy is minus that of the strains, and the displacement twice that energy times the factor; where
+  /// displacements alone are prescribed it is that of the strains, and the two change their parts. Else it is not
+  /// known.
   void find_instability() {
-    const bool pushed = !scene_.tractions.empty() || scene_.body ||
-                        std::ranges::any_of(scene_.laws, [](const CrackLaw&law) { return bool(law.pressure); }),
-               moved = std::ranges::any_of(scene_.supports, [](const Support&s) { return bool(s.value); });
-    if (of_.law || pushed == moved) return;
+    constexpr double equal = 1e-6;
+    const auto is = [&](double sign) {
+      return std::ranges::all_of(grown_.steps, [&](const GrowthStep& s) {
+        return std::abs(s.potential - sign * s.strain) <= equal * s.strain;
+      });
+    };
+    const bool pushed = is(-1);
+    if (of_.law || (!pushed && !is(1))) return;
     for (std::size_t i = 0; i + 2 < grown_.steps.size(); ++i) {
       const auto point = [&](const GrowthStep& s) {
-        const double other = 2 * std::abs(s.potential) * s.load;
+        const double other = 2 * s.strain * s.load;
         return pushed ? LoadPoint{s.load, other} : LoadPoint{other, s.load};
       };
       const Course c = course(point(grown_.steps[i]), point(grown_.steps[i + 1]));
@@ -549,6 +557,7 @@ class Growing {
       load(s.tips.back(), now.resting * std::sqrt(s.tips.back().a));
     }
     s.potential = now.potential;
+    s.strain = now.strain;
     if (of_.bounds) bound(s, now);
     count_cycles(s);
     if (step_ == 0) choose_step(s);

@@ -133,6 +133,7 @@ void go_through(Archive& a, growth::GrowthRecord& record) {
   a.whole(record.told);
   a.sequence(record.states, [&](growth::SolvedState& s) {
     a.number(s.potential);
+    a.number(s.strain);
     a.number(s.resting);
     a.sequence(s.tips, [&](TipIntensity& t) { go_through(a, t); });
     bool bounded = s.bounds.has_value();

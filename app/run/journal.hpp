@@ -19,13 +19,13 @@ struct RunOptions {
   std::string command;           // that is kept with the case
   FolderLock* lock = nullptr;    // taken when the folder is there; none: who calls keeps others out
   int threads = 1;
-  bool resume = false;                                      // an optimization goes on from its checkpoint
-  std::function<void(const std::string& phase)> on_phase;   // called as each phase begins
-  std::function<void(const Iteration&)> on_iteration = {};  // of an optimization, once its files are there
+  bool resume = false;                                          // an optimization goes on from its checkpoint
+  std::function<void(const std::string& phase)> on_phase;       // called as each phase begins
+  std::function<void(const Iteration&)> on_iteration = {};      // of an optimization, once its files are there
   std::function<void(const growth::GrowthStep&)> on_step = {};  // of growth
-  RunFields* fields = nullptr;                              // where they are kept; none: in files alone
-  bool in_single = false;                                   // the factor, whatever the case says
-  Processes* processes = nullptr;                           // for backend = "petsc"; none: it is refused
+  RunFields* fields = nullptr;                                  // where they are kept; none: in files alone
+  bool in_single = false;                                       // the factor, whatever the case says
+  Processes* processes = nullptr;                               // for backend = "petsc"; none: it is refused
 };
 
 struct Journal {

@@ -652,9 +652,9 @@ Result run(const Case& read, Job job, const RunOptions& options) {
     return complete(read, jobs, journal);
   } catch (const Stopped&) {
     journal.writer->finish();
-    throw Error(Fault::Numerics,
-                fmt::format("stopped in \"{}\"; what was done before is in {}{}", journal.phase, options.folder.string(),
-                            has_checkpoint(options.folder) ? "; --resume goes on from there" : ""));
+    throw Error(Fault::Numerics, fmt::format("stopped in \"{}\"; what was done before is in {}{}", journal.phase,
+                                             options.folder.string(),
+                                             has_checkpoint(options.folder) ? "; --resume goes on from there" : ""));
   } catch (...) {
     journal.writer->finish();  // what could not be written came before
     throw;

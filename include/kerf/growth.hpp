@@ -123,6 +123,7 @@ struct GrowthStep {
   int number = 0;
   double cycles = 0;     // so far, by the points up to this one
   double load = 1;       // quasi-static: factor of the loads at which a tip grows
+  double strain = 0;     // energy
   double potential = 0;  // energy of the state that was solved: at the loads of the case, or, where K is not
                          // proportional to them, at the largest of the cycle
   int solves = 0;
@@ -162,8 +163,8 @@ struct Grown {
 
 /// What growth takes from a state.
 struct SolvedState {
-  double potential = 0;
-  double resting = 0;  // K over the root of a crack's length below which its tips count as free of load
+  double potential = 0, strain = 0;  // energies
+  double resting = 0;                // K over the root of a crack's length below which its tips count as free of load
   std::vector<TipIntensity> tips;
   std::optional<StateBounds> bounds = {};
 };

@@ -4,7 +4,7 @@
 // A step k of n parts stands in the history at (steps before) + k / n.
 
 #include "io/csv.hpp"
-#include "io/result/growth_columns.hpp"
+#include "io/growth_columns.hpp"
 
 #include "io/files.hpp"
 #include "io/result.hpp"

@@ -12,9 +12,9 @@
 #include <cmath>
 #include <limits>
 
+#include "io/growth_columns.hpp"
 #include "io/result/bounded_json.hpp"
 #include "io/result/edge_crack_columns.hpp"
-#include "io/result/growth_columns.hpp"
 #include "io/result/read_tables.hpp"
 
 namespace kerf {

@@ -7,8 +7,8 @@
 #include "io/result.hpp"
 
 #include "io/files.hpp"
+#include "io/growth_columns.hpp"
 #include "io/result/edge_crack_columns.hpp"
-#include "io/result/growth_columns.hpp"
 #include "io/text.hpp"
 #include "io/validation.hpp"
 

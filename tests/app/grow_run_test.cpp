@@ -76,7 +76,8 @@ TEST(GrowRun, FilesAndResultsThereAndBack) {
     }
   }
   const std::string csv = (std::ostringstream() << std::ifstream(out / "growth.csv").rdbuf()).str();
-  EXPECT_TRUE(csv.starts_with("step,cycles,load,tip,x,y,a,K_I,K_II,T,G,K_max,K_I_min,K_II_min,dK,rate,da,angle,symmetry\n"));
+  EXPECT_TRUE(
+      csv.starts_with("step,cycles,load,tip,x,y,a,K_I,K_II,T,G,K_max,K_I_min,K_II_min,dK,rate,da,angle,symmetry\n"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 3 * 2);
   EXPECT_NE(csv.find("\n0,0,1,c:start,"), std::string::npos) << csv;
   EXPECT_NE(summary(r).find("growth      Paris by local symmetry: 3 steps"), std::string::npos) << summary(r);

@@ -223,14 +223,15 @@ TEST(Grow, GoesOnFromARecordWithTheSameBits) {
   EXPECT_EQ(bodies, static_cast<int>(records.size()));
   for (const std::size_t cut : {std::size_t{1}, records.size() - 2}) {
     int again = 0, told = 0;
-    const Grown rest = grow(b.shape, b.sizing, bdms(2), b.scene, request, {},
-                            [&](const auto&, const auto&, const Adapted* body, const GrowthRecord& record) {
-                              ++told;
-                              again += body == nullptr;
-                              EXPECT_EQ(record.told, told);
-                              return true;
-                            },
-                            records[cut]);
+    const Grown rest = grow(
+        b.shape, b.sizing, bdms(2), b.scene, request, {},
+        [&](const auto&, const auto&, const Adapted* body, const GrowthRecord& record) {
+          ++told;
+          again += body == nullptr;
+          EXPECT_EQ(record.told, told);
+          return true;
+        },
+        records[cut]);
     EXPECT_EQ(again, records[cut].told);
     EXPECT_EQ(told, static_cast<int>(records.size()));
     ASSERT_EQ(rest.steps.size(), whole.steps.size());
@@ -281,8 +282,7 @@ TEST(Grow, GuaranteedIntervalsHoldTheFormula) {
     EXPECT_LT(in.low, 1.003 * N);
     EXPECT_GT(in.high, 0.997 * N);
   }
-  EXPECT_LT(g.bounds->cycles_smooth.high - g.bounds->cycles_smooth.low,
-            g.bounds->cycles.high - g.bounds->cycles.low);
+  EXPECT_LT(g.bounds->cycles_smooth.high - g.bounds->cycles_smooth.low, g.bounds->cycles.high - g.bounds->cycles.low);
   EXPECT_LT(g.bounds->cycles_smooth.high - g.bounds->cycles_smooth.low, 0.25 * N);
   EXPECT_LE(g.bounds->released.low, g.bounds->lost.high);
   EXPECT_LE(g.bounds->lost.low, g.bounds->released.high);
@@ -298,8 +298,8 @@ TEST(Grow, NoGuaranteeInContact) {
 }
 
 // A crack under tension leaves its line for the direction in which G/G_c is the largest: the angle of pure mode I from
-// G(angle)/G_c(angle) = (F_11^2 + F_21^2)/G_c by small angles: G falls as 1 - angle^2/4.. of Cotterell and Rice, and the
-// load is that at which G there reaches G_c.
+// G(angle)/G_c(angle) = (F_11^2 + F_21^2)/G_c by small angles: G falls as 1 - angle^2/4.. of Cotterell and Rice, and
+// the load is that at which G there reaches G_c.
 TEST(Grow, ToughnessByDirection) {
   const Body b = plate(12, 12, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1);
   const double tilt = 0.2, depth = 0.3;
@@ -322,7 +322,7 @@ TEST(Grow, ToughnessByDirection) {
 // Under pressure a crack grows in its own plane where K_IIc is low, and opens a wing where it is high.
 TEST(Grow, InShearOrByAWing) {
   const double c = std::sqrt(0.5);
-  const Body b = plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {});
+  const Body b = plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {.friction = 0.3});
   GrowRequest request{.toughness = 1, .toughness_shear = 0.7, .tips = {{0, false}}, .step = 0.2, .steps = 1};
   const Grown straight = grown(b, request);
   const GrownTip& tip = straight.steps[0].tips.at(0);
@@ -336,13 +336,15 @@ TEST(Grow, InShearOrByAWing) {
 // crack adds to the displacement is too little to keep it from falling, too (snap-back). Wings under pressure are
 // stable.
 TEST(Grow, SaysWhereTheLoadFalls) {
-  const Grown open = grown(plate(10, 10, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1), {.toughness = 1, .step = 0.2, .steps = 3});
+  const Grown open =
+      grown(plate(10, 10, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1), {.toughness = 1, .step = 0.2, .steps = 3});
   ASSERT_TRUE(open.unstable_from);
   EXPECT_EQ(*open.unstable_from, 0);
   ASSERT_TRUE(open.snaps_back_from);
   EXPECT_EQ(*open.snaps_back_from, 0);
   const double c = std::sqrt(0.5);
-  const Grown wings = grown(plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {}), {.toughness = 1, .step = 0.2, .steps = 3});
+  const Grown wings =
+      grown(plate(20, 20, {"c", {{-c, -c}, {c, c}}, {}}, -1, {}), {.toughness = 1, .step = 0.2, .steps = 3});
   EXPECT_FALSE(wings.unstable_from);
 }
 

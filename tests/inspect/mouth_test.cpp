@@ -1,5 +1,5 @@
 // K of cracks at a free boundary. Truths from outside: Koiter's number, a table of another code (dislocations of
-// piecewise polynomials, five digits), the disc (the derivative of its closed form by R. D. Gregory, 1979), holes.
+// piecewise polynomials, five digits), the disc (the derivative of its closed form by R. D. Gregory), holes.
 
 #include "inspect/mouth.hpp"
 
