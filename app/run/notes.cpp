@@ -178,7 +178,7 @@ std::vector<std::string> notes_on_patches(const Case& c, const StateResult& s) {
         c.patches[i].given ? "" : ", 1/1000 of the body's diagonal by default",
         c.patches[i].at_plane ? ", of which a plane of symmetry leaves one half" : "", p.mean_stress);
     if (p.displacement_change) {
-      note += fmt::format("; half that width would move it by {:.3g} more", *p.displacement_change);
+      note += fmt::format("; half that width would move it locally by {:.3g} more", *p.displacement_change);
       if (s.compliance > 0)
         note +=
             fmt::format(" ({:.2g} % of the compliance)", 100 * *p.displacement_change * p.force.norm() / s.compliance);
