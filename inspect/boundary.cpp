@@ -84,15 +84,6 @@ double curvature_at(const Mesh& mesh, const Run& run, double s, const Vec2& inwa
 
 using Segments = std::vector<std::array<Vec2, 2>>;
 
-/// What a crack may not come near: sides, cracks, borders of materials.
-Segments features(const Mesh& mesh) {
-  Segments all;
-  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
-    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none || is_interface(mesh, e))
-      all.push_back({mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]]});
-  return all;
-}
-
 /// How far a ray goes from a place until it meets a feature; what lies within `begin` is the place's own side.
 double ray(const Segments& all, const Vec2& from, const Vec2& along, double begin) {
   double least = infinity;
@@ -107,6 +98,14 @@ double ray(const Segments& all, const Vec2& from, const Vec2& along, double begi
 }
 
 }  // namespace
+
+Segments features(const Mesh& mesh) {
+  Segments all;
+  for (Index e = 0; e < static_cast<Index>(mesh.edges.size()); ++e)
+    if (mesh.sides[e][0] == none || mesh.sides[e][1] == none || mesh.crack[e] != none || is_interface(mesh, e))
+      all.push_back({mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]]});
+  return all;
+}
 
 std::vector<BoundaryPlace> places_along(const Model& model, int count) {
   const Mesh& mesh = model.mesh;

@@ -19,4 +19,7 @@ struct BoundaryPlace {
 /// of curves have the curvature that they turn by.
 std::vector<BoundaryPlace> places_along(const Model& model, int count);
 
+/// What a crack may not come near: sides, cracks, borders of materials, as segments.
+std::vector<std::array<Vec2, 2>> features(const Mesh& mesh);
+
 }  // namespace kerf::inspect

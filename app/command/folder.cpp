@@ -30,28 +30,47 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
-    const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
-                          (name.starts_with("probe_") && type == ".csv") ||
-                          ((name.starts_with("state_") || name.starts_with("map_")) && type == ".vtu");
-    const bool resumed = ((name.starts_with("design_") || name.starts_with("growth_")) && type == ".vtu") ||
-                         name.starts_with("checkpoint.") || name == "optimize.pvd" || name == "history.csv";
-    constexpr std::array known{"result.json",     "state.vtu",
-                               "state.pvtu",      "map.vtu",
-                               "map.pvtu",        "map.csv",
-                               "validate.csv",    "mesh.png",
-                               "measured.csv",    "von_mises.png",
-                               "map.png",         "validate.png",
-                               "report.html",     "report.bin",
-                               "design.png",      "evolution.png",
-                               "history.png",     "optimality.png",
-                               "design.toml",     "design.svg",
-                               "design.dxf",      "design.msh",
-                               "design.step",     "case.toml",
-                               "bounds.csv",      "bounds.vtp",
-                               "steps.csv",       "growth.csv",
-                               "growth.png",      "grown.toml",
-                               "growth.pvd",      "edge_cracks.csv",
-                               "edge_cracks.png", "drawn_edge_cracks.csv",
+    const bool numbered =
+        (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
+        (name.starts_with("probe_") && type == ".csv") ||
+        ((name.starts_with("state_") || name.starts_with("map_") || name.starts_with("growth_")) && type == ".vtu");
+    const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
+                         name == "optimize.pvd" || name == "history.csv";
+    constexpr std::array known{"result.json",
+                               "state.vtu",
+                               "state.pvtu",
+                               "map.vtu",
+                               "map.pvtu",
+                               "map.csv",
+                               "validate.csv",
+                               "mesh.png",
+                               "measured.csv",
+                               "von_mises.png",
+                               "map.png",
+                               "validate.png",
+                               "report.html",
+                               "report.bin",
+                               "design.png",
+                               "evolution.png",
+                               "history.png",
+                               "optimality.png",
+                               "design.toml",
+                               "design.svg",
+                               "design.dxf",
+                               "design.msh",
+                               "design.step",
+                               "case.toml",
+                               "bounds.csv",
+                               "bounds.vtp",
+                               "steps.csv",
+                               "growth.csv",
+                               "growth.png",
+                               "grown.toml",
+                               "growth.pvd",
+                               "edge_cracks.csv",
+                               "edge_cracks.png",
+                               "drawn_edge_cracks.csv",
+                               "interior_cracks.csv",
                                "beta.csv"};
     if ((resumed && which == Leaving::Everything) || numbered || std::ranges::find(known, name) != known.end())
       found.push_back(entry.path());

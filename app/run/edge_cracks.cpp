@@ -6,13 +6,44 @@
 #include "app/write/draw.hpp"
 #include "base/stopwatch.hpp"
 #include "growth/rates.hpp"
+#include "inspect/interior.hpp"
 #include "io/files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
-EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& journal) {
+namespace {
+
+std::vector<std::vector<double>> rows_of(const std::vector<inspect::InteriorCrack>& cracks) {
+  std::vector<std::vector<double>> rows;
+  for (const inspect::InteriorCrack& c : cracks)
+    rows.push_back(
+        {c.at.x(), c.at.y(), c.direction * 180 / pi, c.K, c.K_I, c.K_II, c.closed ? 1. : 0., c.masked ? 1. : 0.});
+  return rows;
+}
+
+/// The worst crack inside the body, in words.
+std::string note_on_interior(const std::vector<inspect::InteriorCrack>& cracks, const EdgeCrackResult& edges) {
+  const inspect::InteriorCrack* worst = nullptr;
+  for (const inspect::InteriorCrack& c : cracks)
+    if (!c.masked && (!worst || c.K > worst->K)) worst = &c;
+  if (!worst || worst->K == 0) return {};
+  return fmt::format(
+      "the worst crack of length {:.4g} inside the body, at least two lengths from all sides, has K {:.4g}, at "
+      "({:.6g}, "
+      "{:.6g}), direction {:.0f} degrees{}; interior_cracks.csv has one per triangle",
+      edges.length, worst->K, worst->at.x(), worst->at.y(), worst->direction * 180 / pi,
+      worst->closed ? ", closed" : "");
+}
+
+}  // namespace
+
+EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& journal,
+                              std::vector<std::string>& notes) {
   journal.begin("edge cracks");
   const inspect::EdgeCrackRequest& request = *c.edge_cracks;
   const inspect::EdgeCrackMap map = inspect::edge_cracks(adapted.model, adapted.state, request, c.tolerance);
@@ -37,11 +68,18 @@ EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& jo
     r.open_share = map.open_share;
     if (!std::isnan(map.safe_length)) r.safe = PlacedValue{map.places[map.safe_at].at, map.safe_length};
   }
+  const std::vector<inspect::InteriorCrack> interior =
+      inspect::interior_cracks(adapted.model, adapted.state, request.length, request.friction);
+  if (std::string note = note_on_interior(interior, r); !note.empty()) notes.push_back(std::move(note));
   journal.seconds.map += journal.lap();
   journal.begin("write the edge cracks");
+  journal.later([path = journal.file("interior_cracks.csv"), rows = rows_of(interior)] {
+    write_csv(path, {"x", "y", "direction", "K", "K_I", "K_II", "closed", "masked"}, rows);
+  });
   journal.later([path = journal.file("edge_cracks.csv"), map] { write_edge_cracks_csv(path, map); });
-  journal.picture("edge_cracks.png",
-                  [&] { return edge_crack_picture(journal.title_of_state(), adapted.model.mesh, map, c.units); });
+  journal.picture("edge_cracks.png", [&] {
+    return edge_crack_picture(journal.title_of_state(), adapted.model.mesh, map, interior, c.units);
+  });
   journal.seconds.output += journal.lap();
   return r;
 }

@@ -5,7 +5,8 @@
 
 namespace kerf {
 
-EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& journal);
+/// `notes`: where the worst crack inside the body goes.
+EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& journal, std::vector<std::string>& notes);
 
 /// The lengths of [validate] at its points, else at the three worst places; adds to the result.
 void draw_edge_cracks(const Case& c, const Adapted& adapted, const Adaptation& how, Journal& journal,

@@ -488,7 +488,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     // Nothing is built on a state that is none: `complete` says so.
     const bool sound = !out || certified(out->solved.adapted.state);
     if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
-    if (jobs.edges && sound) r.edge_cracks = inspect_edges(out->c, out->solved.adapted, journal);
+    if (jobs.edges && sound) r.edge_cracks = inspect_edges(out->c, out->solved.adapted, journal, r.state->notes);
     if (jobs.draw_edges && sound)
       draw_edge_cracks(out->c, out->solved.adapted, adaptation(out->c, journal.options), journal, *r.edge_cracks);
     if (jobs.validate && sound) r.validate = validate_expansion(out->c, body_of(out->c, out->solved.adapted), journal);

@@ -95,21 +95,25 @@ Picture mesh_picture(const std::string& title, const Mesh& mesh) {
 }
 
 Picture edge_crack_picture(const std::string& title, const Mesh& mesh, const inspect::EdgeCrackMap& map,
-                           const Units& units) {
+                           const std::vector<inspect::InteriorCrack>& interior, const Units& units) {
   Picture p = mesh_picture(title, mesh);
   p.edges = false;
-  p.subtitle = fmt::format("K of a crack of length {:.3g} that begins there; gray: masked; crosses: the worst places",
-                           map.length);
+  p.subtitle = fmt::format(
+      "K of a crack of length {:.3g} that begins at the boundary (band), or lies inside; gray: masked", map.length);
   p.value_label = "K";
   p.dimension = dimension::stress_intensity;
   p.units = units;
   Vec2 low = mesh.points.front(), high = low;
   for (const Vec2& x : mesh.points) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double width = 0.015 * (high - low).norm();  // of the ribbon along the boundary
-  p.points.clear();
-  p.triangles.clear();
-  p.values.resize(3, 2 * static_cast<Eigen::Index>(map.places.size()));
+  const auto inside = static_cast<Eigen::Index>(interior.size());
+  p.values.resize(3, inside + 2 * static_cast<Eigen::Index>(map.places.size()));
   double most = 0;
+  for (Eigen::Index t = 0; t < inside; ++t) {
+    const inspect::InteriorCrack& crack = interior[static_cast<std::size_t>(t)];
+    p.values.col(t).setConstant(crack.masked ? nan : crack.K);
+    if (!crack.masked) most = std::max(most, crack.K);
+  }
   for (std::size_t i = 0; i < map.places.size(); ++i) {
     const inspect::EdgeCrack& crack = map.places[i];
     const Vec2 half = 0.5 * crack.along * Vec2(crack.inward.y(), -crack.inward.x());
@@ -120,7 +124,7 @@ Picture edge_crack_picture(const std::string& title, const Mesh& mesh, const ins
     p.triangles.push_back({first, first + 1, first + 2});
     p.triangles.push_back({first, first + 2, first + 3});
     const bool shown = crack.masked == inspect::Masked::No;
-    p.values.middleCols(2 * static_cast<Eigen::Index>(i), 2).setConstant(shown ? crack.K : nan);
+    p.values.middleCols(inside + 2 * static_cast<Eigen::Index>(i), 2).setConstant(shown ? crack.K : nan);
     if (shown) most = std::max(most, crack.K);
   }
   p.range = {0, most > 0 ? most : 1};

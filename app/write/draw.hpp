@@ -2,6 +2,7 @@
 // The pictures of a run.
 
 #include "app/run/map.hpp"
+#include "inspect/interior.hpp"
 #include "kerf/edge_cracks.hpp"
 #include "plot/picture.hpp"
 
@@ -12,9 +13,10 @@ Picture stress_picture(const std::string& title, const Model& model, const PlotD
 Picture map_picture(const std::string& title, const MapTask& task, const Model& model, const PlotData& data,
                     const Mapped& mapped);
 
-/// The boundary in colors of K of an edge crack, gray where it is masked, and the worst places.
+/// The boundary in colors of K of an edge crack, the body in those of a crack inside, gray where they are masked, and
+/// the worst places.
 Picture edge_crack_picture(const std::string& title, const Mesh& mesh, const inspect::EdgeCrackMap& map,
-                           const Units& units);
+                           const std::vector<inspect::InteriorCrack>& interior, const Units& units);
 
 /// The body in one color with its supports, and the loads of the scene and of the further load cases as arrows.
 /// `size`: extent of the body.

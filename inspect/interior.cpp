@@ -1,0 +1,74 @@
+// The worst direction of a small crack in closed form. With principal stresses m +- r, on a crack whose normal is at
+// the angle phi to the first axis the normal stress is m + r cos 2 phi and the shear r |sin 2 phi|. Candidates for the
+// largest K [theory: M.7]: normal to the first axis, open; where the normal stress is 0; and closed, where shear less
+// friction is largest, cos 2 phi = mu/sqrt(1 + mu^2).
+
+#include "inspect/interior.hpp"
+
+#include "base/parallel.hpp"
+#include "geometry/plane.hpp"
+#include "inspect/boundary.hpp"
+#include "solver/recover_stress.hpp"
+#include "solver/stress.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::inspect {
+
+WorstCrack worst_crack(const Eigen::Vector3d& s, double friction) {
+  const double m = 0.5 * (s[0] + s[1]), r = std::hypot(0.5 * (s[0] - s[1]), s[2]);
+  const double axis = 0.5 * std::atan2(s[2], 0.5 * (s[0] - s[1]));
+  WorstCrack worst;
+  const auto take = [&](double phi, double K_I, double K_II, bool closed) {
+    if (!(K_I * K_I + K_II * K_II > worst.K_I * worst.K_I + worst.K_II * worst.K_II)) return;
+    double direction = std::fmod(axis + phi + pi / 2, pi);
+    if (direction < 0) direction += pi;
+    worst = {K_I, K_II, direction, closed};
+  };
+  take(0, std::max(m + r, 0.), 0, false);
+  // In the frame of the crack, x along it, the shear is -r sin 2 phi of the normal's turn.
+  if (r > std::abs(m)) {
+    const double phi = 0.5 * std::acos(-m / r);
+    take(phi, 0, r * std::sin(2 * phi), false);
+  }
+  const double root = std::sqrt(1 + friction * friction), normal = m + r * friction / root;
+  if (normal <= 0) take(0.5 * std::atan2(1, friction), 0, r * root + friction * m, true);
+  return worst;
+}
+
+std::vector<InteriorCrack> interior_cracks(const Model& model, const State& state, double length, double friction) {
+  if (!(length > 0 && std::isfinite(length) && friction >= 0 && std::isfinite(friction)))
+    throw Error(Fault::Usage,
+                fmt::format("a crack of length {} with friction {}: a positive length and a friction of 0 "
+                            "or more are wanted",
+                            length, friction));
+  const Mesh& mesh = model.mesh;
+  const Corners corners = split_for_stress(mesh);
+  const RecoveredStress recovered =
+      recover_stress(model, state, corners, singular_corners(model, state, corners), model.scene.body);
+  const std::vector<std::array<Vec2, 2>> sides = features(mesh);
+  const std::vector<Vec2> singular = singular_points(model);
+  std::vector<InteriorCrack> cracks(mesh.triangles.size());
+  const double root = std::sqrt(pi * length / 2);
+  parallel_for(static_cast<Index>(cracks.size()), model.threads, [&](Index first, Index last) {
+    for (Index t = first; t < last; ++t) {
+      InteriorCrack& crack = cracks[static_cast<std::size_t>(t)];
+      crack.at = centroid(mesh, t);
+      const WorstCrack worst = worst_crack(recovered.at_centroids.col(t), friction);
+      crack.K_I = root * worst.K_I;
+      crack.K_II = root * worst.K_II;
+      crack.K = std::hypot(crack.K_I, crack.K_II);
+      crack.direction = worst.direction;
+      crack.closed = worst.closed;
+      crack.masked =
+          std::ranges::any_of(sides, [&](const auto& s) { return distance(crack.at, s[0], s[1]) < 2 * length; }) ||
+          std::ranges::any_of(singular, [&](const Vec2& x) { return (x - crack.at).norm() < 5 * length; });
+    }
+  });
+  return cracks;
+}
+
+}  // namespace kerf::inspect
