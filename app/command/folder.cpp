@@ -30,12 +30,11 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
-    const bool numbered =
-        (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
-        (name.starts_with("probe_") && type == ".csv") ||
-        ((name.starts_with("state_") || name.starts_with("map_") || name.starts_with("growth_")) && type == ".vtu");
-    const bool resumed = (name.starts_with("design_") && type == ".vtu") || name.starts_with("checkpoint.") ||
-                         name == "optimize.pvd" || name == "history.csv";
+    const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
+                          (name.starts_with("probe_") && type == ".csv") ||
+                          ((name.starts_with("state_") || name.starts_with("map_")) && type == ".vtu");
+    const bool resumed = ((name.starts_with("design_") || name.starts_with("growth_")) && type == ".vtu") ||
+                         name.starts_with("checkpoint.") || name == "optimize.pvd" || name == "history.csv";
     constexpr std::array known{"result.json",
                                "state.vtu",
                                "state.pvtu",
