@@ -13,6 +13,9 @@ std::vector<Crack> seams(const Shape& shape, Index region, Index other);
 /// Whether regions share sides, or parts of them, with each other, the outline or holes.
 bool regions_touch(const Shape& shape);
 
+/// The first crack that crosses or ends on the border of a region, or none.
+Index crack_on_border(const Shape& shape);
+
 /// Per crack of the shape, whether it is made of sides of regions, from corner to corner inside the body.
 std::vector<bool> along_regions(const Shape& shape);
 

@@ -41,11 +41,17 @@ namespace {
 // as the piece (solver/post/crack_tip.cpp sees a smooth curve); behind the next piece every fourth vertex stays.
 constexpr int piece_chords = 12, kept = 4;  // of a piece that turns
 constexpr double largest_turn = 0.26;       // radians: a piece turns by no more, else it begins with a kink
+constexpr double behind_kink = 0.125;       // of a step: the first piece there
 constexpr double symmetric = 1e-3;          // |k_2| / k_1 at a tip that has grown
 constexpr double tie = 1e-2;                // tips that need the same load, relative
+<<<<<<< HEAD
 constexpr double clear = 0.5;               // of a step: room of a tip beside a border, for rings in one material
 
 constexpr const char* on_border = "on a border between materials, where there is no K";
+=======
+constexpr double shortest = 0.1;  // of the fastest tip's piece: a slower tip waits until it has so much to grow
+constexpr double facing = 0.35;   // radians: tips that look at each other, off the line between them
+>>>>>>> dc1ca72e (Let tips that face each other meet, slow tips wait, and short steps say so)
 
 double angle_of(const Vec2& v) {
   return std::atan2(v.y(), v.x());
@@ -508,10 +514,22 @@ class Growing {
       return false;
     }
     const double most = *std::ranges::max_element(rates);
+<<<<<<< HEAD
     if (!of_.law) s.load = 1 / most;
     for (std::size_t i = 0; i < s.tips.size(); ++i)
       s.tips[i].da = of_.law ? fastest.lengths[i] : rates[i] >= (1 - tie) * most ? scale_ * step_ : 0;
     keep_off_borders(s);
+=======
+    if (!of_.law) s.load = *of_.toughness / most;
+    for (std::size_t i = 0; i < s.tips.size(); ++i) {
+      s.tips[i].da = of_.law ? fastest.lengths[i] : rates[i] >= (1 - tie) * most ? scale_ * step_ : 0;
+      if (!of_.law) continue;
+      double& owed = active_.at(s.tips[i].end).owed;
+      owed += s.tips[i].da;
+      s.tips[i].da = owed >= std::max(shortest * scale_ * step_, shortest_piece()) ? owed : 0;
+      if (s.tips[i].da > 0) owed = 0;
+    }
+>>>>>>> dc1ca72e (Let tips that face each other meet, slow tips wait, and short steps say so)
     return true;
   }
 
@@ -659,17 +677,22 @@ class Growing {
   /// Behind a kink the path bends like the root of its length: steps of 1/8, 1/8, 1/4 and 1/2 follow it. The pieces are
   /// what the rings around the next tip lie in, and have `chords` edges each.
   void scale_step(const GrowthStep& s) {
-    constexpr double kinked = 0.02, first = 0.125;
+    constexpr double kinked = 0.02;
     for (const GrownTip& tip : s.tips) {
       const Active& there = active_.at(tip.end);
       if (of_.criterion != Criterion::LocalSymmetry || (of_.law && !(tip.rate > 0))) continue;
       const double turn = std::abs(direction(of_.criterion, {tip.K_I, tip.K_II, tip.T}).angle);
       if (turn > (there.grown ? largest_turn / 2 : kinked)) since_kink_ = 0;
     }
-    scale_ = since_kink_ == 0 ? first : std::min(1.0, first * std::exp2(since_kink_ - 1));
+    scale_ = since_kink_ == 0 ? behind_kink : std::min(1.0, behind_kink * std::exp2(since_kink_ - 1));
     ++since_kink_;
     const double tips = of_tips_ > 0 ? of_tips_ : infinity;
     sizing_.crack_tip_size = std::min(tips, scale_ * step_ / piece_chords);
+  }
+
+  /// Ends of cracks join what lies within a millionth of the body; the chords of a piece are to be longer.
+  double shortest_piece() const {
+    return 4e-6 * piece_chords * extent(shape_);
   }
 
   void choose_step(const GrowthStep& s) {
@@ -677,6 +700,12 @@ class Growing {
     step_ = of_.step > 0 ? of_.step : of_body * extent(shape_);
     for (const GrownTip& tip : s.tips)
       if (!(of_.step > 0)) step_ = std::min(step_, of_crack * tip.a);
+    const double least = shortest_piece() / behind_kink;
+    if (step_ < least)
+      throw Error(Fault::Usage,
+                  fmt::format("grow.step: steps of {:.3g} are too short for a body of {:.4g}: chords of the pieces "
+                              "behind kinks would be as short as what counts as one point; take {:.2g} or more",
+                              step_, extent(shape_), least));
   }
 
   /// The cycles so far: of each step those of the tip that was the fastest, by its rates at all steps as a smooth
@@ -777,6 +806,7 @@ class Growing {
     double turn = 0;                            // of the arc, or of the kink before a straight piece
     std::optional<SymmetrySearch> search = {};  // none: the turn is known
     std::optional<Hit> hit = {};
+    std::optional<CrackEnd> meets = {};  // the tip that it goes on to, or that goes on to it
   };
 
   std::vector<Vec2> piece_of(const Trial& t) const {
@@ -810,28 +840,67 @@ class Growing {
   std::vector<Vec2> path_of(const Trial& t) const {
     std::vector<Vec2> path = piece_of(t);
     if (!t.hit) return path;
+    if (t.hit->name.empty()) return {};  // another tip comes here
     path.resize(static_cast<std::size_t>(t.hit->along));
     path.push_back(t.hit->at);
     return path;
   }
 
-  /// A tip that would come nearer to something than it grows in a step goes on to it.
-  void look_ahead(Trial& t) const {
-    t.hit = first_hit(obstacles(shape_, t.tip->end), tip_of(shape_, t.tip->end), piece_of(t), t.tip->da);
+  /// A tip that would come nearer to something than it grows in a step goes on to it: to a tip that looks at it, or to
+  /// what it would cross, pieces of the tips before it in `trials` among that.
+  void look_ahead(Trial& t, std::span<const Trial> before) const {
+    if (t.meets = facing_tip(*t.tip); t.meets) {
+      const Vec2& at = tip_of(shape_, *t.meets);
+      const Trial* other = nullptr;
+      for (const Trial& b : before)
+        if (b.tip->end == *t.meets) other = &b;
+      if (other && other->meets == t.tip->end) {  // it comes here
+        t.hit = Hit{tip_of(shape_, t.tip->end), {}, 0};
+        return;
+      }
+      t.hit = Hit{at, "the tip " + name_of(shape_, *t.meets), 0};
+      return;
+    }
+    std::vector<Obstacle> all = obstacles(shape_, t.tip->end);
+    for (const Trial& b : before) {
+      Vec2 from = tip_of(shape_, b.tip->end);
+      for (const Vec2& to : path_of(b)) {
+        if (to != from) all.push_back({from, to, fmt::format("the piece that {} grows by", b.tip->name)});
+        from = to;
+      }
+    }
+    t.hit = first_hit(all, tip_of(shape_, t.tip->end), piece_of(t), t.tip->da);
     if (t.hit && t.hit->along >= static_cast<double>(piece_of(t).size()))
       t.hit->along = static_cast<double>(piece_of(t).size());
+  }
+
+  /// The tip of another crack, no further away than both grow by, where each lies ahead of the other.
+  std::optional<CrackEnd> facing_tip(const GrownTip& tip) const {
+    const auto looks_at = [&](const CrackEnd& end, const Vec2& x) {
+      const double off = angle_of(x - tip_of(shape_, end)) - active_.at(end).direction;
+      return std::abs(within_half_turn(off)) < facing;
+    };
+    for (const auto& [other, there] : active_) {
+      if (other.crack == tip.end.crack) continue;
+      const Vec2& x = tip_of(shape_, other);
+      const bool near = (x - tip.at).norm() <= tip.da + there.da;
+      if (near && looks_at(tip.end, x) && looks_at(other, tip.at)) return other;
+    }
+    return std::nullopt;
   }
 
   Solved advance(GrowthStep& s, const Solved& now) {
     std::vector<Trial> trials;
     for (auto& [end, track] : tracks_) track.grows = 0;
-    for (GrownTip& tip : s.tips)
+    for (GrownTip& tip : s.tips) {
+      active_.at(tip.end).da = tip.da;
       if (tip.da > 0) trials.push_back(begin(tip));
+    }
     std::optional<Solved> next;
     Shape shape;
     for (bool last = false; !last;) {
       last = !ask(trials);
-      for (Trial& t : trials) look_ahead(t);
+      for (std::size_t i = 0; i < trials.size(); ++i) look_ahead(trials[i], std::span(trials).first(i));
       shape = grown_by(trials);
       try {
         next = solve(shape, load_of_state());
@@ -880,6 +949,10 @@ class Growing {
     for (const Trial& t : trials) note_borders(s, t);
     shape_ = std::move(shape);
     for (const Trial& t : trials) {
+      if (!active_.contains(t.tip->end)) {  // another tip has come to it
+        t.tip->da = 0;
+        continue;
+      }
       Active& there = active_.at(t.tip->end);
       t.tip->angle = t.turn;
       there.direction = within_half_turn(there.direction + t.turn);
@@ -890,9 +963,11 @@ class Growing {
       coarsen(shape_.cracks[static_cast<std::size_t>(t.tip->end.crack)], t.tip->end.at_start, points, there.points);
       there.points = points;
       if (!t.hit) continue;
+      active_.erase(t.tip->end);
+      if (t.meets) active_.erase(*t.meets);
+      if (t.hit->name.empty()) continue;
       grown_.notes.push_back(fmt::format("{} reaches {} at ({:.6g}, {:.6g}) in step {}", name_of(shape_, t.tip->end),
                                          t.hit->name, t.hit->at.x(), t.hit->at.y(), s.number));
-      active_.erase(t.tip->end);
     }
   }
 
@@ -920,6 +995,8 @@ class Growing {
     double curvature = 0;
     bool grown = false;
     std::size_t points = 0;  // of its last piece
+    double owed = 0;         // by its rates, and not yet grown
+    double da = 0;           // grows by, in the present step
   };
 
   Shape shape_;

@@ -422,6 +422,18 @@ bool regions_touch(const Shape& shape) {
   return std::ranges::any_of(draw(plain).strands, [](const Strand& s) { return s.beyond.has_value(); });
 }
 
+Index crack_on_border(const Shape& shape) {
+  if (shape.regions.empty() || shape.cracks.empty()) return none;
+  const Drawing drawing = draw(shape);
+  std::vector<bool> border(drawing.corners.size(), false);
+  for (const Strand& s : drawing.strands)
+    if (is_border(s)) border[std::size_t(s.from)] = border[std::size_t(s.to)] = true;
+  const auto met = std::ranges::find_if(drawing.strands, [&](const Strand& s) {
+    return s.crack != none && !is_border(s) && (border[std::size_t(s.from)] || border[std::size_t(s.to)]);
+  });
+  return met == drawing.strands.end() ? none : met->crack;
+}
+
 /// Strands of cracks come before those of regions (Drawing::strands).
 void join_regions(Drawing& drawing, const Shape& shape, const std::vector<bool>& along) {
   Sharing(drawing).share();

@@ -144,6 +144,13 @@ void look_at_interfaces(const Problem& p, std::vector<Wrong>& all) {
                                               p.frame.cracks[k].name)});
       return;
     }
+  if (const Index k = crack_on_border(p.frame); k != none)
+    all.push_back(
+        {fmt::format("crack[{}]", k),
+         fmt::format("[optimize] needs cracks apart from the borders of regions, and crack \"{}\" crosses or "
+                     "ends on one: take the state, maps, validation and growth of this body (kerf solve, map, "
+                     "validate, grow)",
+                     p.frame.cracks[static_cast<std::size_t>(k)].name)});
   if (regions_touch(p.frame))
     all.push_back({"region",
                    "[optimize] needs regions that lie apart, inside the body; these share sides with each "

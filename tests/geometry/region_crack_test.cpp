@@ -1,6 +1,7 @@
 // Cracks that cross the borders of regions, or end on them: random polylines and arcs against random regions, by what
 // every mesh of them must keep; places and angles that are told apart.
 
+#include "geometry/interfaces.hpp"
 #include "geometry/plane.hpp"
 #include "geometry/shape/drawing.hpp"
 #include "kerf/mesher.hpp"
@@ -145,6 +146,16 @@ TEST(RegionCracks, JunctionsOnABorder) {
   meshed({{"c", {{0.5, 0}, {1, 0}}, {}}, {"d", {{0.5, -0.5}, {1.5, 0.5}}, {}}});
   const Mesh kink = meshed({{"c", {{0.5, 0.5}, {1, 0}, {0.5, -0.5}}, {}}});
   for (const CrackEdge& c : kink.cracks[0]) EXPECT_EQ(region_of(kink, kink.sides[std::size_t(c.edge)][0]), 0);
+}
+
+TEST(RegionCracks, AreFoundByOptimization) {
+  const Loop disc = circle("disc", {0, 0}, 1, none);
+  const Crack apart{"a", {{1.2, 0}, {1.6, 0.3}}, {}}, across{"b", {{0, 0.5}, {1.5, 0.5}}, {}},
+      ends{"c", {{0, -1}, {0, -0.5}}, {}};
+  EXPECT_EQ(crack_on_border(square({disc}, {apart})), none);
+  EXPECT_EQ(crack_on_border(square({disc}, {apart, across})), 1);
+  EXPECT_EQ(crack_on_border(square({disc}, {ends, apart})), 0);
+  EXPECT_EQ(crack_on_border(square({}, {across})), none);
 }
 
 // Patches around tips keep away from borders; a tip on one has none.
