@@ -179,10 +179,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[hole]]\nname = 'h'\ncircle = { radius = 1 }",
               "a.toml:9:10: missing key \"center\" in circle in [[hole]]; add it"},
         Wrong{"[[crack]]\nname = 'c'", "a.toml:7:1: [[crack]] needs one of path, arc"},
-        Wrong{"[[boundary]]\npressure = 1", "a.toml:7:1: missing key \"on\" in [[boundary]]; add it"},
+        Wrong{"[[boundary]]\npressure = 1", "a.toml:7:1: [[boundary]] needs one of on, at"},
         Wrong{"[[boundary]]\non = 'top'",
               "a.toml:7:1: [[boundary]] prescribes nothing; give traction, pressure or displacement, displacement_x, "
-              "displacement_y, displacement_normal"},
+              "displacement_y, displacement_normal, symmetry"},
         Wrong{"[functional]", "a.toml:7:1: missing key \"kind\" in [functional]; add it"}));
 
 INSTANTIATE_TEST_SUITE_P(
