@@ -44,14 +44,11 @@ constexpr double largest_turn = 0.26;       // radians: a piece turns by no more
 constexpr double behind_kink = 0.125;       // of a step: the first piece there
 constexpr double symmetric = 1e-3;          // |k_2| / k_1 at a tip that has grown
 constexpr double tie = 1e-2;                // tips that need the same load, relative
-<<<<<<< HEAD
 constexpr double clear = 0.5;               // of a step: room of a tip beside a border, for rings in one material
-
-constexpr const char* on_border = "on a border between materials, where there is no K";
-=======
 constexpr double shortest = 0.1;  // of the fastest tip's piece: a slower tip waits until it has so much to grow
 constexpr double facing = 0.35;   // radians: tips that look at each other, off the line between them
->>>>>>> dc1ca72e (Let tips that face each other meet, slow tips wait, and short steps say so)
+
+constexpr const char* on_border = "on a border between materials, where there is no K";
 
 double angle_of(const Vec2& v) {
   return std::atan2(v.y(), v.x());
@@ -514,13 +511,7 @@ class Growing {
       return false;
     }
     const double most = *std::ranges::max_element(rates);
-<<<<<<< HEAD
     if (!of_.law) s.load = 1 / most;
-    for (std::size_t i = 0; i < s.tips.size(); ++i)
-      s.tips[i].da = of_.law ? fastest.lengths[i] : rates[i] >= (1 - tie) * most ? scale_ * step_ : 0;
-    keep_off_borders(s);
-=======
-    if (!of_.law) s.load = *of_.toughness / most;
     for (std::size_t i = 0; i < s.tips.size(); ++i) {
       s.tips[i].da = of_.law ? fastest.lengths[i] : rates[i] >= (1 - tie) * most ? scale_ * step_ : 0;
       if (!of_.law) continue;
@@ -529,7 +520,7 @@ class Growing {
       s.tips[i].da = owed >= std::max(shortest * scale_ * step_, shortest_piece()) ? owed : 0;
       if (s.tips[i].da > 0) owed = 0;
     }
->>>>>>> dc1ca72e (Let tips that face each other meet, slow tips wait, and short steps say so)
+    keep_off_borders(s);
     return true;
   }
 

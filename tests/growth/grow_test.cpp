@@ -165,6 +165,24 @@ TEST(Grow, AStraightPathDoesNotMeetItself) {
   EXPECT_NEAR(geometry(18), 1.3673, 2e-3);
 }
 
+// Two tips on one line, nearer than a step: one goes on to the other, and the outer tips grow on, images of each other.
+TEST(Grow, TipsThatFaceEachOtherMeet) {
+  Body b = plate(8, 8, {"left", {{-1.5, 0}, {-0.02, 0}}, {}}, 1);
+  b.shape.cracks.push_back({"right", {{0.02, 0}, {1.5, 0}}, {}});
+  b.scene.laws.push_back({.kind = CrackLaw::Kind::Open});
+  const Grown g = grown(b, {.law = paris, .step = 0.2, .steps = 2});
+  ASSERT_EQ(g.notes.size(), 1u) << g.ended;
+  EXPECT_NE(g.notes[0].find("left:end reaches the tip right:start"), std::string::npos) << g.notes[0];
+  ASSERT_EQ(g.steps.size(), 3u) << g.ended;
+  EXPECT_EQ(g.steps[0].tips.size(), 4u);
+  const std::vector<GrownTip>& tips = g.steps[2].tips;
+  ASSERT_EQ(tips.size(), 2u);
+  EXPECT_NEAR(tips[0].at.x(), -tips[1].at.x(), 1e-3);
+  // Of a crack of twice the half length: sqrt(pi a), 5 % more in this plate.
+  EXPECT_NEAR(g.steps[1].tips[0].K_I, std::sqrt(1.5 * pi), 0.2 * std::sqrt(1.5 * pi));
+  EXPECT_THROW(grown(b, {.law = paris, .step = 1e-3}), Error);
+}
+
 TEST(Grow, SaysWhyItEnds) {
   const Body b = plate(8, 8, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1);
   EXPECT_EQ(grown(b, {.law = GrowthLaw{.form = Paris{1e-11, 3}, .threshold = 100}}).ended,
