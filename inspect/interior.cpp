@@ -34,8 +34,9 @@ WorstCrack worst_crack(const Eigen::Vector3d& s, double friction) {
     const double phi = 0.5 * std::acos(-m / r);
     take(phi, 0, r * std::sin(2 * phi), false);
   }
-  const double root = std::sqrt(1 + friction * friction), normal = m + r * friction / root;
-  if (normal <= 0) take(0.5 * std::atan2(1, friction), 0, r * root + friction * m, true);
+  const double root = std::sqrt(1 + friction * friction), normal = m + r * friction / root,
+               driven = r * root + friction * m;  // else friction holds it
+  if (normal <= 0 && driven > 0) take(0.5 * std::atan2(1, friction), 0, driven, true);
   return worst;
 }
 

@@ -648,7 +648,7 @@ constexpr Key rows[] = {
     {"inspect.cycle", Table, {}, "The largest and the least load of a cycle, as factors of the loads of the case."},
     {"inspect.cycle.max", Number, {.range = above_zero}, "The largest.", "1.2", "1"},
     {"inspect.cycle.min", Number, {}, "The least, below max; below 0 faces touch, K is 0.", "0.1", "0"},
-    {"inspect.factor", Number, {.range = {1, infinity}}, "Cycles over those between two inspections.", "3", "2"},
+    {"inspect.factor", Number, {.range = {1, 1e6}}, "Cycles over those between two inspections.", "3", "2"},
 
     {"validate", Table, {}, "Is the map right? Holes of several radii are made at some points and compared with it."},
     {"validate.points",

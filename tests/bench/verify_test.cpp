@@ -181,6 +181,7 @@ TEST_F(VerifyBenchTest, ReadsNumbersOfARun) {
 TEST_F(VerifyBenchTest, ReadsPathsOfGrownBodies) {
   write_file(folder / "grown.toml", R"([domain]
 outline = [[-2, -2], [2, -2], [2, 2], [-2, 2]]
+sides = ["bottom", "right", "top", "left"]
 [[crack]]
 name = "a"
 path = [[-1.5, -1], [-0.5, -1], [0.5, -0.5], [0.5, -0.25]]
