@@ -897,8 +897,10 @@ class Growing {
         next = solve(shape, load_of_state());
       } catch (const Error& e) {
         if (!of_one_body(e) && e.fault != Fault::Usage) throw;
-        shape_ = std::move(shape);
-        grown_.ended = fmt::format("the body that the cracks have grown into cannot be solved: {}", e.what());
+        const bool drawn = e.fault != Fault::Geometry;  // else the body before is what there is
+        if (drawn) shape_ = std::move(shape);
+        grown_.ended = fmt::format("the body that the cracks {} into cannot be {}: {}",
+                                   drawn ? "have grown" : "would grow", drawn ? "solved" : "meshed", e.what());
         return Solved(now);
       }
       last = last || !answer(trials, *next);

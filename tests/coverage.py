@@ -11,7 +11,7 @@ from collections import defaultdict
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-ROOMS = ["base", "growth", "geometry", "solver", "topo", "optimize", "io", "plot", "app", "include"]
+ROOMS = ["base", "growth", "geometry", "solver", "topo", "inspect", "optimize", "io", "plot", "app", "include"]
 ROOT = Path(__file__).resolve().parent.parent
 LINE = re.compile(r" *([^ :]+): *(\d+)(:|-block)")
 

@@ -11,7 +11,7 @@ describe() {  # describe PART: its rooms, targets and minutes
   case $1 in
     engine) rooms="growth geometry solver" targets="test_growth test_geometry test_solver" minutes=25 ;;
     program) rooms="app tests/fuzz" targets="kerf kerf_vtk_module kerf-fuzz" minutes=22 ;;
-    maps) rooms="topo" targets="test_topo" minutes=20 ;;
+    maps) rooms="topo inspect" targets="test_topo test_inspect" minutes=20 ;;
     designs) rooms="optimize" targets="test_optimize" minutes=15 ;;
     files) rooms="io plot python" targets="kerf_python test_io test_plot" minutes=10 ;;
     *) echo "no part is called $1; there are ${all[*]}" >&2; exit 2 ;;
@@ -65,7 +65,7 @@ run() {
 case $part in
   engine) run 1 test_growth; run 1 test_geometry; run 1 test_solver ;;
   program) by_ctest '^fuzz$' ;;
-  maps) run 1 test_topo ;;
+  maps) run 1 test_topo; run 1 test_inspect ;;
   designs) run 1 test_optimize ;;
   files) run 0 test_io; run 0 test_plot; by_ctest '^python_test_api$' ;;
 esac
