@@ -20,7 +20,7 @@ _kerf() {
     map) options="--help --output --set --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --untrusted --quiet --log-level --force --max-memory --max-seconds" ;;
     validate) options="--help --output --set --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    grow) options="--help --output --set --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    grow) options="--help --output --set --resume --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --untrusted --collect --quiet" ;;
     report) options="--help --quiet --max-memory --max-seconds" ;;

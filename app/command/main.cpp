@@ -152,7 +152,7 @@ void declare(CommandLine& line, Arguments& arguments) {
       declare_sweep(sub, arguments);
       continue;
     }
-    if (command.name == "run" || command.name == "optimize")
+    if (command.name == "run" || command.name == "optimize" || command.name == "grow")
       sub.flag("--resume", arguments.resume,
                "Go on with the optimization or the growth whose checkpoint is in the folder");
     sub.number("--threads", arguments.threads, "Number of threads; default all cores", {1, 256});
