@@ -1,7 +1,7 @@
 // K at a place of the boundary for a length, from the recovered stress. What is left out is the rest of the geometry
-// [theory: M.6]: a straight side at distance b across changes K by up to 6 (a/b)^2, a circle of radius R by up to
-// 1.7 (a/R)^2 beyond the term of curvature. 5 % of it are valid_length; corners, tips and ends of supports keep five
-// lengths off.
+// [theory: M.6]: a straight side at distance b across changes K by up to 7.5 (a/b)^2, of a strip in bending, a circle of
+// radius R by up to 1.7 (a/R)^2 beyond the term of curvature. 5 % of their sum are valid_length; corners, tips and ends
+// of supports keep five lengths off.
 
 #include "inspect/near_boundary.hpp"
 
@@ -12,12 +12,12 @@ namespace kerf::inspect {
 
 namespace {
 
-constexpr double room_across = 0.09, room_of_radius = 0.17, room_to_corners = 0.2;
+constexpr double across = 7.5, round = 1.7, valid = 0.05, room_to_corners = 0.2;
 constexpr double smooth = 0.05;  // of LocalStress::rough
 
 double valid_length(const BoundaryPlace& p) {
-  const double round = p.curvature == 0 ? infinity : room_of_radius / std::abs(p.curvature);
-  return std::min({round, room_across * p.across, room_to_corners * std::min({p.corner, p.singular, p.support})});
+  const double left_out = across / (p.across * p.across) + round * p.curvature * p.curvature;  // per length squared
+  return std::min(std::sqrt(valid / left_out), room_to_corners * std::min({p.corner, p.singular, p.support}));
 }
 
 Masked why_masked(const BoundaryPlace& p, double length, double rough) {

@@ -365,7 +365,7 @@ TEST_F(Cli, RegionsAreCheckedAndWritten) {
   EXPECT_EQ(kerf("solve a.toml --quiet -o s").code, 0);
   EXPECT_EQ(read_all(folder / "s/state.vtu").find("Name=\"region\""), std::string::npos);
   write("d.toml", square + region + "[[crack]]\nname = \"c\"\npath = [[0.2, 0.5], [0.5, 0.5]]\n");
-  expect_failure("solve d.toml --quiet", 3, "region 'stiff' crosses crack 'c' at (0.4, 0.5)");
+  EXPECT_EQ(kerf("solve d.toml --quiet -o d").code, 0);  // a crack may cross a border
 }
 
 TEST_F(Cli, FirstInterruptStopsCleanly) {
