@@ -193,7 +193,7 @@ TEST(EdgeCracks, OfACurvedBeam) {
   const EdgeCrackMap map = edge_cracks(s.model, s.state, {.length = 0.05, .points = {{r, r}, {2 * r, 2 * r}}});
   EXPECT_NEAR(map.places[0].curvature, -1, 1e-6);
   EXPECT_NEAR(map.places[1].curvature, 0.5, 1e-6);
-  expect_to_hold(draw(s, {{r, r}, {2 * r, 2 * r}}, {0.07, 0.05, 0.035}), 0.05);
+  expect_to_hold(draw(s, {{r, r}, {2 * r, 2 * r}}, {0.05, 0.025}), 0.05);
 }
 
 TEST(EdgeCracks, MasksByName) {
