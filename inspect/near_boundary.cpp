@@ -1,7 +1,7 @@
 // K at a place of the boundary for a length, from the recovered stress. What is left out is the rest of the geometry
-// [theory: M.6]: a straight side at distance b across changes K by up to 7.5 (a/b)^2, of a strip in bending, a circle of
-// radius R by up to 1.7 (a/R)^2 beyond the term of curvature. 5 % of their sum are valid_length; corners, tips and ends
-// of supports keep five lengths off.
+// [theory: M.6]: a straight side at distance b across changes K by up to 7.5 (a/b)^2, of a strip in bending, a circle
+// of radius R by up to 1.7 (a/R)^2 beyond the term of curvature. 5 % of their sum are valid_length; corners, tips and
+// ends of supports keep five lengths off.
 
 #include "inspect/near_boundary.hpp"
 
