@@ -3,8 +3,9 @@
 
 costs.py record BUILD   writes the measured part of tests/slow_tests.txt anew: every test that takes more than 0.6 seconds,
                         so that slower processors find none to take too long
-costs.py check BUILD    fails where a quick test takes more than 1.5 seconds (a second where it was recorded), or a line of tests/slow_tests.txt or of the tables
-                        of tests/README.md names none
+costs.py check BUILD    fails where a quick test takes more than 2.5 seconds, or a line of tests/slow_tests.txt or of the
+                        tables of tests/README.md names none. Machines differ: one took 1.9 to 2.4 seconds for tests
+                        that were recorded below 0.6 to 1 on another.
 
 Either runs what took longer by the clock again, alone, and takes the least processor time of three runs: a busy machine
 makes no test slow.
@@ -17,7 +18,7 @@ import resource
 import subprocess
 import sys
 
-limit, recorded = 1.5, 0.6  # seconds
+limit, recorded = 2.5, 0.6  # seconds
 lanes = os.path.join(os.path.dirname(os.path.abspath(__file__)), "slow_tests.txt")
 measured = "# Measured: written by tests/costs.py record.\n"
 
