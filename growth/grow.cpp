@@ -14,6 +14,7 @@
 #include "geometry/plane.hpp"
 #include "growth/kink.hpp"
 #include "growth/life.hpp"
+#include "growth/obstacles.hpp"
 #include "growth/path_bounds.hpp"
 #include "growth/piece.hpp"
 #include "growth/rates.hpp"
@@ -87,95 +88,6 @@ void coarsen(Crack& crack, bool at_start, std::size_t m, std::size_t n) {
   left.insert(left.end(), p.end() - static_cast<std::ptrdiff_t>(m), p.end());
   p = std::move(left);
   if (at_start) std::ranges::reverse(p);
-}
-
-/// What a tip may run into: a straight piece, or one of the chords of an arc.
-struct Obstacle {
-  Vec2 a, b;
-  std::string name;
-  const Arc* arc = nullptr;
-};
-/// The arc must outlive them.
-void add_arc(const Arc& arc, const std::string& name, std::vector<Obstacle>& all) {
-  constexpr int pieces = 64;
-  const std::vector<Vec2> p = points_on(arc, pieces);
-  for (std::size_t k = 0; k < pieces; ++k) all.push_back({p[k], p[k + 1], name, &arc});
-}
-/// The sides of a loop, which must outlive them.
-void add_loop(const Loop& loop, const std::string& name, std::vector<Obstacle>& all) {
-  for (std::size_t i = 0; i < loop.sides.size(); ++i) {
-    const Side& side = loop.sides[i];
-    if (!side.arc) {
-      all.push_back({side.start, loop.sides[(i + 1) % loop.sides.size()].start, name});
-      continue;
-    }
-    add_arc(*side.arc, name, all);
-  }
-}
-/// `shape` must outlive them.
-std::vector<Obstacle> obstacles(const Shape& shape, const CrackEnd& own) {
-  std::vector<Obstacle> all;
-  add_loop(shape.outline, "the outline", all);
-  for (const Loop& hole : shape.holes) add_loop(hole, fmt::format("hole \"{}\"", hole.name), all);
-  for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
-    const Crack& crack = shape.cracks[c];
-    const auto& p = crack.points;
-    const bool is_own = static_cast<Index>(c) == own.crack;
-    if (crack.arc) {
-      add_arc(*crack.arc, fmt::format("crack \"{}\"", crack.name), all);
-      continue;
-    }
-    const std::size_t count = p.size() - 1;  // edges
-    for (std::size_t i = 0; i < count; ++i) {
-      // The edges next to the tip are what it grows from.
-      const std::size_t away = own.at_start ? i : count - 1 - i;
-      if (is_own && away < static_cast<std::size_t>(piece_chords + piece_chords / kept)) continue;
-      all.push_back({p[i], p[i + 1], fmt::format("crack \"{}\"", crack.name)});
-    }
-  }
-  return all;
-}
-
-struct Hit {
-  Vec2 at;
-  std::string name;
-  double along = 0;  // of the path up to there, in edges
-};
-/// The first thing that a path from the tip crosses, its last edge drawn longer by `reach`.
-std::optional<Hit> first_hit(const std::vector<Obstacle>& all, const Vec2& tip, std::vector<Vec2> path, double reach) {
-  const Vec2 before = path.size() > 1 ? path[path.size() - 2] : tip;
-  path.back() += reach * (path.back() - before).normalized();
-  Vec2 from = tip;
-  for (std::size_t k = 0; k < path.size(); ++k) {
-    std::optional<Hit> nearest;
-    for (const Obstacle& o : all)
-      if (const auto s = crossing(from, path[k], o.a, o.b);
-          s && (!nearest || *s + static_cast<double>(k) < nearest->along)) {
-        const Vec2 at = from + *s * (path[k] - from);
-        // Of pieces on one line rounding alone decides which side is which: what lies elsewhere is not met.
-        if (distance(at, o.a, o.b) > 1e-6 * (path[k] - from).norm()) continue;
-        nearest = Hit{o.arc ? onto(*o.arc, at) : at, o.name, static_cast<double>(k) + *s};
-      }
-    if (nearest) return nearest;
-    from = path[k];
-  }
-  return std::nullopt;
-}
-
-/// Where a path crosses the border of a region; `after`: whether its end lies inside, `odd` times crossed or not.
-struct BorderCrossing {
-  Hit first;
-  bool odd = false, inside = false;
-};
-std::optional<BorderCrossing> crossing_of(const Loop& region, const Vec2& tip, const std::vector<Vec2>& path) {
-  std::vector<Obstacle> sides;
-  add_loop(region, fmt::format("region \"{}\"", region.name), sides);
-  const std::optional<Hit> first = first_hit(sides, tip, path, 0);
-  if (!first) return std::nullopt;
-  std::vector<Vec2> border;
-  for (const Obstacle& side : sides) border.push_back(side.a);
-  const bool within = inside(border, path.back());
-  return BorderCrossing{*first, inside(border, tip) != within, within};
 }
 
 BoundaryField times(double factor, const BoundaryField& field) {
@@ -529,7 +441,7 @@ class Growing {
   void keep_off_borders(GrowthStep& s) {
     if (shape_.regions.empty()) return;
     std::vector<Obstacle> borders;
-    for (const Loop& region : shape_.regions) add_loop(region, region.name, borders);
+    for (const Loop& region : shape_.regions) add_sides(region, region.name, borders);
     const auto room = [&](double factor) {
       double least = infinity;
       for (GrownTip tip : s.tips) {
@@ -852,7 +764,7 @@ class Growing {
       t.hit = Hit{at, "the tip " + name_of(shape_, *t.meets), 0};
       return;
     }
-    std::vector<Obstacle> all = obstacles(shape_, t.tip->end);
+    std::vector<Obstacle> all = obstacles(shape_, t.tip->end, piece_chords + piece_chords / kept);
     for (const Trial& b : before) {
       Vec2 from = tip_of(shape_, b.tip->end);
       for (const Vec2& to : path_of(b)) {

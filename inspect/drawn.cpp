@@ -82,8 +82,7 @@ std::vector<DrawnPlace> draw_cracks(const Model& model, const State& state, cons
   const NearBoundary near(model, state, request.friction, request.pressurized);
   std::vector<DrawnPlace> drawn;
   for (const EdgeCrack& crack : cracks) {
-    const BoundaryPlace& place = *std::ranges::min_element(
-        near.places(), {}, [&](const BoundaryPlace& p) { return (p.at - crack.at).squaredNorm(); });
+    const BoundaryPlace& place = near.nearest(crack.at);
     DrawnPlace& to = drawn.emplace_back(DrawnPlace{.crack = crack, .rows = {}, .reason = {}});
     for (const double length : lengths) {
       const EdgeCrack expected = near.at(place, length, crack.angle);

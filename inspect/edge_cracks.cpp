@@ -69,9 +69,7 @@ EdgeCrackMap edge_cracks(const Model& model, const State& state, const EdgeCrack
   std::vector<BoundaryPlace> places = near.places();
   if (!request.points.empty()) {
     std::vector<BoundaryPlace> asked;
-    for (const Vec2& x : request.points)
-      asked.push_back(
-          *std::ranges::min_element(places, {}, [&](const BoundaryPlace& p) { return (p.at - x).squaredNorm(); }));
+    for (const Vec2& x : request.points) asked.push_back(near.nearest(x));
     places = std::move(asked);
   }
   EdgeCrackMap map{.length = request.length, .places = {}, .worst = {}};

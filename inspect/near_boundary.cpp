@@ -5,6 +5,8 @@
 
 #include "inspect/near_boundary.hpp"
 
+#include "solver/system.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -37,6 +39,10 @@ NearBoundary::NearBoundary(const Model& model, const State& state, double fricti
   locator_ = make_locator(model.mesh);
   constexpr int per_edge = 3;
   places_ = places_along(model, per_edge);
+}
+
+const BoundaryPlace& NearBoundary::nearest(const Vec2& x) const {
+  return *std::ranges::min_element(places_, {}, [&](const BoundaryPlace& p) { return (p.at - x).squaredNorm(); });
 }
 
 // In the frame of the boundary. Points on the boundary itself may lie outside of its chords by rounding: they take the
@@ -91,10 +97,7 @@ EdgeCrack NearBoundary::at(const BoundaryPlace& place, double length, std::optio
   crack.K_II = k.K_II;
   crack.closed = k.closed;
   crack.K = std::hypot(k.K_I, k.K_II);
-  const Index region = region_of(model_.mesh, place.triangle);
-  const Material& material =
-      region == none ? model_.scene.material : model_.scene.regions[static_cast<std::size_t>(region)];
-  crack.G = crack.K * crack.K / plane_modulus(material);
+  crack.G = crack.K * crack.K / plane_modulus(material_of(model_.mesh, model_.scene, place.triangle));
   crack.first_order = 1.1215222552 * (crack.stress + mouth.pressure) * std::sqrt(pi * length);
   crack.masked = why_masked(place, length, stress->rough);
   return crack;

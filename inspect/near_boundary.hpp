@@ -15,6 +15,7 @@ class NearBoundary {
   const std::vector<BoundaryPlace>& places() const {
     return places_;
   }
+  const BoundaryPlace& nearest(const Vec2& x) const;
   /// At a given angle, or the worst one for that length.
   EdgeCrack at(const BoundaryPlace& place, double length, std::optional<double> angle) const;
   /// Of the loads on the boundary, 0 for a pull.

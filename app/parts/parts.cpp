@@ -369,8 +369,7 @@ CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes
   if (!c.half_tips.empty())
     s.notes.push_back(
         fmt::format("no K, G and T at ({:.6g}, {:.6g}), the tip of a crack in a plane of symmetry: several processes "
-                    "do not compute "
-                    "them",
+                    "do not compute them",
                     c.half_tips[0].x(), c.half_tips[0].y()));
   add_notes_on_chords(
       c, coarse.mesh, [&](const Vec2&) { return found.beside_chords; }, r);

@@ -34,8 +34,7 @@ std::string note_on_interior(const std::vector<inspect::InteriorCrack>& cracks, 
   if (!worst || worst->K == 0) return {};
   return fmt::format(
       "the worst crack of length {:.4g} inside the body, at least two lengths from all sides, has K {:.4g}, at "
-      "({:.6g}, "
-      "{:.6g}), direction {:.0f} degrees{}; interior_cracks.csv has one per triangle",
+      "({:.6g}, {:.6g}), direction {:.0f} degrees{}; interior_cracks.csv has one per triangle",
       edges.length, worst->K, worst->at.x(), worst->at.y(), worst->direction * 180 / pi,
       worst->closed ? ", closed" : "");
 }

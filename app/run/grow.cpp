@@ -34,21 +34,11 @@ std::string in_words(const growth::GrowthStep& s, bool fatigue) {
 
 /// Lines of what is drawn: arcs by chords.
 Contours contours(const Shape& shape) {
-  constexpr int pieces = 48;
+  const double size = extent(shape), chord = 1e-3 * size;
   Contours out;
-  const auto add = [&](const Loop& loop) {
-    std::vector<Vec2>& line = out.boundary.emplace_back();
-    for (const Side& side : loop.sides) {
-      if (!side.arc) {
-        line.push_back(side.start);
-        continue;
-      }
-      const std::vector<Vec2> points = points_on(*side.arc, pieces);
-      line.insert(line.end(), points.begin(), points.end() - 1);
-    }
-  };
-  add(shape.outline);
-  for (const Loop& hole : shape.holes) add(hole);
+  out.boundary.push_back(flatten(shape.outline, chord, size).points);
+  for (const Loop& hole : shape.holes) out.boundary.push_back(flatten(hole, chord, size).points);
+  constexpr int pieces = 48;
   for (const Crack& crack : shape.cracks)
     out.cracks.push_back(crack.arc ? points_on(*crack.arc, pieces) : crack.points);
   return out;
