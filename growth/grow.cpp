@@ -516,21 +516,23 @@ class Growing {
   }
 
   /// Of the life: where one tip, whose K at both loads of a cycle are in proportion, is the fastest at every step, as
-  /// fast as any other but for a tie.
+  /// fast as any other but for a tie, and stays in one region. A cycle whose least load is the larger one in size may
+  /// open the kink to the other side, and has none.
   void bound_life_of(PathBounds& out) const {
-    if (!of_.law || !proportional_ || !block_.empty() || grown_.steps.size() < 3) return;
-    const CrackEnd end = std::ranges::max_element(grown_.steps.front().tips, {}, &GrownTip::rate)->end;
-    const Track& track = tracks_.at(end);
+    if (!of_.law || !proportional_ || !block_.empty() || grown_.steps.size() < 3 || of_.min < -of_.max) return;
+    const GrownTip& first = *std::ranges::max_element(grown_.steps.front().tips, {}, &GrownTip::rate);
+    const Track& track = tracks_.at(first.end);
+    if (!track.borders.empty()) return;
     std::vector<BoundedCycles> path;
     for (const GrowthStep& s : grown_.steps) {
-      const auto tip = std::ranges::find(s.tips, end, &GrownTip::end);
+      const auto tip = std::ranges::find(s.tips, first.end, &GrownTip::end);
       if (tip == s.tips.end() || !tip->in || !std::isfinite(tip->in->K_I.low + tip->in->K_II.high)) return;
       if (std::ranges::any_of(s.tips, [&](const GrownTip& t) { return (1 - tie) * t.da > tip->da; })) return;
       path.push_back({.a = track.x[path.size()], .top = *tip->in, .least = of_.min / of_.max});
     }
     const auto interval = [](const LifeBounds& b) { return Interval{b.lower, b.upper}; };
-    out.cycles = interval(bound_cycles(*of_.law, path, BetweenPoints::Monotone));
-    out.cycles_smooth = interval(bound_cycles(*of_.law, path, BetweenPoints::Smooth));
+    out.cycles = interval(bound_cycles(law(first), path, BetweenPoints::Monotone));
+    out.cycles_smooth = interval(bound_cycles(law(first), path, BetweenPoints::Smooth));
   }
 
   std::optional<PathBounds> path_bounds() const {

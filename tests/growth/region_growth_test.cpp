@@ -56,6 +56,32 @@ bool says(const Grown& g, const std::string& words) {
 
 const GrowthLaw paris{.form = Paris{1e-11, 3}};
 
+// The life between bounds is that by the law of the region in which the crack lies; a path that crosses a border, at
+// which rates jump, has no such bounds, nor has a cycle that is pushed by more than it is pulled.
+TEST(GrowThroughRegions, BoundsOfALifeAreThoseOfTheRegionsLaw) {
+  const Loop region = polygon("weld", {{-2, -1}, {2, -1}, {2, 1}, {-2, 1}}, none);
+  const Body b = with_region(plate(10, 20, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 1), region, body);
+  GrowRequest request{.law = paris,
+                      .regions = {{.region = 0, .law = GrowthLaw{.form = Paris{4e-11, 3}}}},
+                      .tips = {{0, false}},
+                      .step = 0.2,
+                      .steps = 4,
+                      .bounds = true};
+  const Grown inside = grown(b, request);
+  ASSERT_TRUE(inside.bounds);
+  const double N = inside.steps.back().cycles;
+  EXPECT_LT(inside.bounds->cycles.low, N);
+  EXPECT_GT(inside.bounds->cycles.high, N);
+  EXPECT_LT(inside.bounds->cycles.high, 2 * N);
+  request.min = -2;
+  EXPECT_TRUE(std::isnan(grown(b, request).bounds->cycles.low));
+  request.min = 0;
+  request.step = 0.6;
+  const Grown across = grown(b, request);
+  EXPECT_TRUE(says(across, "c:end leaves region \"weld\"")) << across.ended;
+  EXPECT_TRUE(std::isnan(across.bounds->cycles.low));
+}
+
 // The region is as stiff and twice as tough: the load is twice K_c/K while the tip lies in it.
 TEST(GrowThroughRegions, TheToughnessIsThatWhereTheTipLies) {
   const Loop region = polygon("weld", {{1.03, -1}, {1.9, -1}, {1.9, 1}, {1.03, 1}}, none);
