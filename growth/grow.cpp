@@ -440,7 +440,7 @@ class Growing {
   /// tips alike, since their lengths belong together. Along a border none is enough: then the largest room is taken.
   void keep_off_borders(GrowthStep& s) {
     if (shape_.regions.empty()) return;
-    std::vector<Obstacle> borders;
+    std::vector<PathObstacle> borders;
     for (const Loop& region : shape_.regions) add_sides(region, region.name, borders);
     const auto room = [&](double factor) {
       double least = infinity;
@@ -449,7 +449,7 @@ class Growing {
         const double wanted = clear * tip.da;
         tip.da *= factor;
         const Vec2 end = piece_of(begin(tip)).back();
-        for (const Obstacle& o : borders) least = std::min(least, distance(end, o.a, o.b) / wanted);
+        for (const PathObstacle& o : borders) least = std::min(least, distance(end, o.a, o.b) / wanted);
       }
       return least;
     };
@@ -766,7 +766,7 @@ class Growing {
       t.hit = Hit{at, "the tip " + name_of(shape_, *t.meets), 0};
       return;
     }
-    std::vector<Obstacle> all = obstacles(shape_, t.tip->end, piece_chords + piece_chords / kept);
+    std::vector<PathObstacle> all = obstacles(shape_, t.tip->end, piece_chords + piece_chords / kept);
     for (const Trial& b : before) {
       Vec2 from = tip_of(shape_, b.tip->end);
       for (const Vec2& to : path_of(b)) {

@@ -12,14 +12,14 @@ namespace kerf::growth {
 namespace {
 
 /// The arc must outlive them.
-void add_arc(const Arc& arc, const std::string& name, std::vector<Obstacle>& all) {
+void add_arc(const Arc& arc, const std::string& name, std::vector<PathObstacle>& all) {
   constexpr int pieces = 64;
   const std::vector<Vec2> p = points_on(arc, pieces);
   for (std::size_t k = 0; k < pieces; ++k) all.push_back({p[k], p[k + 1], name, &arc});
 }
 }  // namespace
 
-void add_sides(const Loop& loop, const std::string& name, std::vector<Obstacle>& all) {
+void add_sides(const Loop& loop, const std::string& name, std::vector<PathObstacle>& all) {
   for (std::size_t i = 0; i < loop.sides.size(); ++i) {
     const Side& side = loop.sides[i];
     if (!side.arc) {
@@ -29,8 +29,8 @@ void add_sides(const Loop& loop, const std::string& name, std::vector<Obstacle>&
     add_arc(*side.arc, name, all);
   }
 }
-std::vector<Obstacle> obstacles(const Shape& shape, const CrackEnd& own, std::size_t own_edges) {
-  std::vector<Obstacle> all;
+std::vector<PathObstacle> obstacles(const Shape& shape, const CrackEnd& own, std::size_t own_edges) {
+  std::vector<PathObstacle> all;
   add_sides(shape.outline, "the outline", all);
   for (const Loop& hole : shape.holes) add_sides(hole, fmt::format("hole \"{}\"", hole.name), all);
   for (std::size_t c = 0; c < shape.cracks.size(); ++c) {
@@ -52,13 +52,14 @@ std::vector<Obstacle> obstacles(const Shape& shape, const CrackEnd& own, std::si
   return all;
 }
 
-std::optional<Hit> first_hit(const std::vector<Obstacle>& all, const Vec2& tip, std::vector<Vec2> path, double reach) {
+std::optional<Hit> first_hit(const std::vector<PathObstacle>& all, const Vec2& tip, std::vector<Vec2> path,
+                             double reach) {
   const Vec2 before = path.size() > 1 ? path[path.size() - 2] : tip;
   path.back() += reach * (path.back() - before).normalized();
   Vec2 from = tip;
   for (std::size_t k = 0; k < path.size(); ++k) {
     std::optional<Hit> nearest;
-    for (const Obstacle& o : all)
+    for (const PathObstacle& o : all)
       if (const auto s = crossing(from, path[k], o.a, o.b);
           s && (!nearest || *s + static_cast<double>(k) < nearest->along)) {
         const Vec2 at = from + *s * (path[k] - from);
@@ -73,12 +74,12 @@ std::optional<Hit> first_hit(const std::vector<Obstacle>& all, const Vec2& tip, 
 }
 
 std::optional<BorderCrossing> crossing_of(const Loop& region, const Vec2& tip, const std::vector<Vec2>& path) {
-  std::vector<Obstacle> sides;
+  std::vector<PathObstacle> sides;
   add_sides(region, fmt::format("region \"{}\"", region.name), sides);
   const std::optional<Hit> first = first_hit(sides, tip, path, 0);
   if (!first) return std::nullopt;
   std::vector<Vec2> border;
-  for (const Obstacle& side : sides) border.push_back(side.a);
+  for (const PathObstacle& side : sides) border.push_back(side.a);
   const bool within = inside(border, path.back());
   return BorderCrossing{*first, inside(border, tip) != within, within};
 }
