@@ -294,6 +294,13 @@ optimize.symmetry.y
 optimize.symmetry.point
 optimize.symmetry.direction
 optimize.min_feature
+optimize.keep_out[0].name
+optimize.keep_out[0].circle.center
+optimize.keep_out[0].circle.radius
+optimize.keep_out[0].ellipse.center
+optimize.keep_out[0].ellipse.semi_axes
+optimize.keep_out[0].ellipse.angle_deg
+optimize.keep_out[0].polygon
 optimize.min_gap
 optimize.min_radius
 optimize.start.holes

@@ -30,6 +30,8 @@ void refuse_wrong(const Problem& p, const OptimizeRequest& r);
 std::optional<std::string> wrong_mirror(const Shape& body, const Mirror& mirror);
 /// A frozen part may leave the body, but it must have an inside, some of the body in it and some outside.
 std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask);
+/// A region that stays void must leave one piece of the body, and no load, no support and no crack in it.
+std::optional<std::string> wrong_keep_out(const Shape& body, const Scene& scene, const Loop& keep_out);
 /// Without anything that holds the volume down, the full body is best for what only loses by holes, and a level set has
 /// nothing to stop at.
 std::optional<std::string> wrong_volume(const Functional& objective, const OptimizeRequest& r);

@@ -95,6 +95,7 @@ struct OptimizeRequest {
   double tolerance = 1e-3;               // relative change, KKT residual
   int starts = 0;                        // designs to begin with, the given one first; 0: what is usual for the method
   double min_distance = 0;               // NLopt methods: between holes, and from holes to cracks and the outline
+  std::vector<Loop> keep_out;            // stay void: the frame is already without them
   std::vector<FunctionalBound> bounds;
   std::vector<LoadCase> load_cases;  // empty: the loads of the scene alone
   LevelSetRequest level_set;         // of the level set
@@ -135,10 +136,10 @@ constexpr std::string_view word(Ending ending) {
 }
 
 /// What was asked of a design, and what it has as it is drawn. `name`: "volume", "frozen NAME", "min_feature",
-/// "min_gap", "symmetry", or that of a bound. `asked`, `got`: shares of the area, lengths (of frozen regions and
-/// symmetry 0, and what is missing), values of bounded functionals.
+/// "min_gap", "symmetry", "keep_out NAME", or that of a bound. `asked`, `got`: shares of the area, lengths (of frozen
+/// regions, keep-outs and symmetry 0, and what is missing), values of bounded functionals.
 struct KeptConstraint {
-  enum class Kind { Volume, Bound, Frozen, Width, Mirror } kind = Kind::Volume;
+  enum class Kind { Volume, Bound, Frozen, Void, Width, Mirror } kind = Kind::Volume;
   std::string name;
   double asked = 0, got = nan;
   bool kept = true;
@@ -231,6 +232,11 @@ struct OptimizeResult {
   std::vector<StartTried> starts;             // where there were several: ranked ones, then those that went on
   std::vector<NucleatedHole> nucleated = {};  // level set, in their order
 };
+
+/// The body without a region that stays void, of which it may have a part, all or nothing; new sides have the label
+/// "keep_out:NAME". Exact to 1e-9 of the size. Throws Error(Geometry) where nothing is left, or more than one piece,
+/// and where a crack of the body reaches into it.
+Shape without(const Shape& body, const Loop& keep_out);
 
 // The loops.
 

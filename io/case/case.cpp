@@ -319,7 +319,10 @@ Problem problem_of(const Case& c, int threads) {
   sizing.curved = c.curved.value_or(false);
   sizing.long_ligaments = false;
   sizing.images.clear();
-  return {.frame = c.shape,
+  Shape frame = c.shape;
+  if (c.optimize && !find_problem(c.shape))
+    for (const Loop& keep_out : c.optimize->keep_out) frame = without(frame, keep_out);
+  return {.frame = std::move(frame),
           .scene = c.scene,
           .sizing = sizing,
           .element = c.optimize_element,

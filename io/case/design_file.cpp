@@ -211,8 +211,9 @@ void read_what_was_made_up(Node& node) {
 Node rest_of_case(const Case& c, const Shape& design, const std::filesystem::path& folder) {
   static const std::set<std::string> body{"title", "domain", "hole",     "crack",    "region",
                                           "map",   "probe",  "validate", "synthetic"};
-  static const std::set<std::string> guides{"start",  "symmetry", "frozen",       "hole",   "crack",        "region",
-                                            "method", "defects",  "min_distance", "starts", "least_squares"};
+  static const std::set<std::string> guides{"start",        "symmetry", "frozen",        "hole",
+                                            "crack",        "region",   "method",        "defects",
+                                            "min_distance", "starts",   "least_squares", "keep_out"};
   Node rest = *c.document;
   std::erase_if(rest.entries, [&](const Entry& e) { return body.contains(e.key); });
   const bool cases = c.optimize && !c.optimize->load_cases.empty();

@@ -201,6 +201,23 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
   return bounds;
 }
 
+/// Regions that stay void, in the order of their places.
+std::vector<Loop> read_keep_out(const Value& table, const std::vector<LoadCase>& load_cases, const Case& c) {
+  std::vector<Loop> read;
+  for (const Value& entry : find_tables(table, "keep_out")) {
+    allow_only(entry);
+    const auto given = find(entry, "name");
+    read.push_back(
+        read_loop(entry, given ? new_name(*given, read) : fmt::format("keep_out_{}", read.size() + 1), none));
+    Scene all = c.scene;
+    for (const LoadCase& one : load_cases)
+      all.tractions.insert(all.tractions.end(), one.tractions.begin(), one.tractions.end());
+    if (const auto why = wrong_keep_out(c.shape, all, read.back())) fail(entry.node->position, *why);
+  }
+  std::ranges::stable_sort(read, [](const Loop& a, const Loop& b) { return begins_before(a, b); });
+  return read;
+}
+
 /// The first key count = "auto" of what is drawn, which all of it has or nothing.
 std::optional<Value> read_counts(const Value& optimize) {
   std::optional<Value> first, without;
@@ -310,6 +327,7 @@ void read_optimize(const Value& document, const std::filesystem::path& folder, c
   r.load_cases = std::move(load_cases);
   if (const auto why = wrong_load_cases(c.functional, r))
     fail(find_tables(document, "load_case").front().node->position, *why);
+  r.keep_out = read_keep_out(table, r.load_cases, c);
   if (level_set) {
     read_level_set(table, folder, frozen, c, r);
   } else {

@@ -27,6 +27,11 @@ std::function<Vec2(const Vec2& x)> normal_of(const Crack& crack);
 
 /// More of these tables, with names of their own. They come from left to right, by where they begin, so that nothing
 /// hangs on how the tables stand: the mesh depends on the order of what it is made of.
+/// A loop by circle, ellipse, polygon or outline.
+Loop read_loop(const Value& table, const std::string& name, Index label);
+/// Whether it comes first where the order of tables must not matter.
+bool begins_before(const Loop& a, const Loop& b);
+
 void add_holes(const std::vector<Value>& tables, Shape& shape);
 void add_cracks(const std::vector<Value>& tables, Shape& shape, std::vector<CrackLaw>& laws);
 /// What regions are made of by their keys; `body`: those that have an eigenstrain and no material of their own.

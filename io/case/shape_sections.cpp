@@ -154,12 +154,20 @@ void add_regions_of_file(const std::vector<Value>& tables, const MeshFile& file,
 bool lies_before(const Vec2& a, const Vec2& b) {
   return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y());
 }
+
+}  // namespace
+
 bool begins_before(const Loop& a, const Loop& b) {
   return lies_before(a.sides.front().start, b.sides.front().start);
 }
+
+namespace {
+
 bool begins_before(const Crack& a, const Crack& b) {
   return std::ranges::lexicographical_compare(a.points, b.points, lies_before);
 }
+
+}  // namespace
 
 Loop read_loop(const Value& hole, const std::string& name, Index label) {
   const std::string kind = one_of(hole);
@@ -180,6 +188,8 @@ Loop read_loop(const Value& hole, const std::string& name, Index label) {
   for (Side& side : loop.sides) side.label = label;
   return loop;
 }
+
+namespace {
 
 Crack read_path(const Value& crack, const std::string& name) {
   if (one_of(crack) == "path") return {name, points(need(crack, "path"), 2), {}};

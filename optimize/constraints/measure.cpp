@@ -97,6 +97,18 @@ KeptConstraint of_frozen_region(const MeasuredDesign& d, const Loop& frozen) {
   return c;
 }
 
+KeptConstraint of_void_region(const MeasuredDesign& d, const Loop& keep_out) {
+  const Intrusion found = solid_in(d.shape, keep_out);
+  KeptConstraint c{
+      .kind = KeptConstraint::Kind::Void, .name = "keep_out " + keep_out.name, .asked = 0, .got = found.depth};
+  c.kept = c.got <= of_frozen * extent(d.frame ? *d.frame : d.shape);
+  if (c.kept) return c;
+  c.at = found.at;
+  c.note = fmt::format("conflict: \"{}\" stays void, but material reaches {:.3g} into it at {}", keep_out.name,
+                       found.depth, place(found.at));
+  return c;
+}
+
 KeptConstraint of_width(const MeasuredDesign& d, double asked, bool gaps) {
   const std::vector<DrawnSide> sides = sides_of(d.shape);
   const std::vector<bool> moves = drawn_sides(sides, *d.frame);
@@ -165,6 +177,26 @@ Intrusion intrusion(const Shape& design, const Shape& frame, const Loop& frozen)
   return found;
 }
 
+Intrusion solid_in(const Shape& design, const Loop& keep_out) {
+  const Region region(keep_out), body(design);
+  const auto [low, high] = box_of_sides(region.sides());
+  const double size = (high - low).norm();
+  Intrusion found;
+  for (const DrawnSide& side : body.sides()) {
+    if (region.away(at(side, 0.5)) > length(side) + size) continue;
+    const Peak peak = peak_along(side, size / 64, found.depth, [&](const Vec2& x) { return region.depth(x); });
+    if (peak.value > found.depth) found = {peak.value, at(side, peak.part), 0};
+  }
+  for (int i = 0; i < lattice; ++i)
+    for (int k = 0; k < lattice; ++k) {
+      const Vec2 x = low + Vec2((i + 0.5) / lattice, (k + 0.5) / lattice).cwiseProduct(high - low);
+      // It may be solid without any boundary in it.
+      if (const double reach = std::min(region.depth(x), body.depth(x)); reach > found.depth)
+        found.depth = reach, found.at = x;
+    }
+  return found;
+}
+
 Asymmetry asymmetry(const Shape& body, const Mirror& mirror) {
   const Region region(body);
   Asymmetry worst;
@@ -186,8 +218,9 @@ std::vector<KeptConstraint> constraints_of(const MeasuredDesign& d, const Optimi
     if (!c.kept) c.note = fmt::format("{} {:.6g} > {:.6g}", c.name, c.got, most);
     all.push_back(std::move(c));
   }
-  const bool has_shape = d.frame && !d.shape.outline.sides.empty();
-  if (!has_shape) return all;
+  if (d.shape.outline.sides.empty()) return all;
+  for (const Loop& keep_out : r.keep_out) all.push_back(of_void_region(d, keep_out));
+  if (!d.frame) return all;
   for (const Loop& frozen : r.level_set.frozen) all.push_back(of_frozen_region(d, frozen));
   if (r.level_set.min_feature > 0) all.push_back(of_width(d, r.level_set.min_feature, false));
   if (r.level_set.min_gap > 0) all.push_back(of_width(d, r.level_set.min_gap, true));
@@ -200,7 +233,8 @@ bool is_of_shape(const KeptConstraint& c) {
 }
 
 bool is_broken(const KeptConstraint& c) {
-  return !c.kept && (c.kind == KeptConstraint::Kind::Frozen || c.kind == KeptConstraint::Kind::Mirror);
+  using enum KeptConstraint::Kind;
+  return !c.kept && (c.kind == Frozen || c.kind == Void || c.kind == Mirror);
 }
 
 std::string conflicts(const std::vector<KeptConstraint>& all, bool of_shape) {

@@ -39,6 +39,8 @@ double nearest_on_ellipse(const DrawnSide& side, const Vec2& x) {
                (side.arc->to > side.arc->from ? 1 : -1) >
            0;
   };
+  if (!whole && best == 0 && rises(0)) return 0;
+  if (!whole && best == n && !rises(1)) return 1;
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (low + high);
     (rises(middle) ? high : low) = middle;

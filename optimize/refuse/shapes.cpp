@@ -1,7 +1,8 @@
-// The body against what is asked of it: mirrors and frozen parts.
+// The body against what is asked of it: mirrors, frozen parts and parts that stay void.
 
 #include "geometry/plane.hpp"
 #include "optimize/constraints/mirrored.hpp"
+#include "optimize/constraints/sides.hpp"
 #include "optimize/refuse.hpp"
 
 #include <fmt/core.h>
@@ -88,6 +89,41 @@ std::optional<std::string> wrong_mask(const Shape& body, const Loop& mask) {
     return fmt::format("region \"{}\" lies outside the body: there is nothing to freeze", mask.name);
   if (in_mask == static_cast<std::ptrdiff_t>(border.size()))
     return fmt::format("region \"{}\" covers the whole body: nothing is left to design", mask.name);
+  return std::nullopt;
+}
+
+std::optional<std::string> wrong_keep_out(const Shape& body, const Scene& scene, const Loop& keep_out) {
+  Shape alone;
+  alone.outline = keep_out;
+  if (const auto problem = find_problem(alone))
+    return fmt::format("keep_out \"{}\" is no region: {}", keep_out.name, *problem);
+  if (find_problem(body)) return std::nullopt;  // which is what the user will hear of
+  Shape rest;
+  try {
+    rest = without(body, keep_out);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  if (const auto problem = find_problem(rest))
+    return fmt::format("keep_out \"{}\" leaves no body: {}", keep_out.name, *problem);
+  constexpr int samples = 64;  // of a side
+  const Region region(keep_out);
+  const double near = 1e-9 * extent(body);
+  for (const DrawnSide& side : sides_of(body)) {
+    if (side.label == none) continue;
+    for (int k = 0; k <= samples; ++k) {
+      const double part = double(k) / samples;
+      const Vec2 x = at(side, part), t = tangent(side, part), outwards(t.y(), -t.x());
+      if (region.depth(x) <= near) continue;
+      const bool held = std::ranges::any_of(scene.supports, [&](const Support& s) { return s.label == side.label; });
+      const bool loaded = std::ranges::any_of(scene.tractions, [&](const Traction& t) {
+        return t.label == side.label && t.value && t.value(x, outwards).norm() > 0;
+      });
+      if (held || loaded)
+        return fmt::format("keep_out \"{}\" takes away a part of \"{}\", which is {}, at ({:.6g}, {:.6g})",
+                           keep_out.name, body.labels[std::size_t(side.label)], held ? "held" : "loaded", x.x(), x.y());
+    }
+  }
   return std::nullopt;
 }
 
