@@ -130,6 +130,16 @@ struct SolverResult {
   double first_mb = 0, others_mb = 0;  // peaks of memory: of the first process, the largest of the others
 };
 
+/// How far the loads are from what the material bears: factor = limit/value, of release rates its root, so that the
+/// factor is that of the loads where the response is proportional to them.
+struct ReserveResult {
+  std::string of;  // "yield", "toughness", "release_rate"
+  double value = 0, limit = 0, factor = 0;
+  Vec2 at = Vec2::Zero();
+  std::string region = {};  // none: outside all regions
+  std::string crack = {};   // of tips
+};
+
 struct StateResult {
   std::string element;
   int degree = 1;
@@ -145,6 +155,7 @@ struct StateResult {
   std::vector<PatchResult> patches = {};
   std::optional<double> thickness;  // all that is per thickness, times it, is that of the plate
   std::string load_case = {};       // whose state it is, where the case has several
+  std::vector<ReserveResult> reserves = {};
 };
 
 /// What a load case does to the body.
@@ -153,6 +164,7 @@ struct LoadCaseResult {
   double weight = 1, energy = 0, compliance = 0;
   std::optional<Peak> von_mises = {}, displacement = {};
   std::vector<ResultantResult> reactions = {};
+  std::vector<ReserveResult> reserves = {};
 };
 
 struct AdaptResult {

@@ -8,6 +8,7 @@
 #include "app/run/margins.hpp"
 #include "app/run/notes.hpp"
 #include "app/run/peaks.hpp"
+#include "app/run/reserve.hpp"
 #include "optimize/load_cases.hpp"
 #include "solver/resultants.hpp"
 #include "solver/system.hpp"
@@ -27,6 +28,7 @@ void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, St
                 *state.von_mises);
   journal.seconds.recover += journal.lap();
   add_margins(c, adapted, data, state, cracks);
+  state.reserves = reserves_of(c, adapted.model, data, state, cracks);
   journal.seconds.margins += journal.lap();
 }
 
@@ -40,7 +42,8 @@ Case under(const Case& c, const LoadCase& load_case) {
 namespace {
 
 LoadCaseResult row_of(const LoadCase& load_case, const StateResult& s) {
-  return {load_case.name, load_case.weight, s.energy, s.compliance, s.von_mises, s.displacement, s.reactions};
+  return {load_case.name, load_case.weight, s.energy,    s.compliance,
+          s.von_mises,    s.displacement,   s.reactions, s.reserves};
 }
 
 /// Whether the mesh of one load case is that of all, and a solution of one is by the factor of any.

@@ -94,6 +94,13 @@ struct Elastic {
   std::optional<Orthotropy> orthotropy = {};
 };
 
+/// What a material bears, as far as the case says it.
+struct Strength {
+  std::optional<double> yield = {};         // von Mises stress
+  std::optional<double> toughness = {};     // K_Ic
+  std::optional<double> release_rate = {};  // G_c, instead
+};
+
 struct Node;  // of a TOML document: not for users
 
 /// An inverse problem ends with least squares of the readings.
@@ -139,6 +146,7 @@ struct Case {
   bool plane_strain = true;
   std::optional<double> thickness = {};  // of a plate in plane stress
   std::vector<Elastic> regions;          // per region of the shape; as materials in the scene
+  std::vector<Strength> strength = {};   // outside all regions first, then per region; empty: of none
   Element element = bdms(2);
   Element optimize_element = bdms(1);  // of the iterations of [optimize], which take many states
   ContactMethod contact = ContactMethod::DualQp;

@@ -55,6 +55,24 @@ void read_material(const Value& document, Case& c) {
   c.scene.material = elastic(material, constants, c.plane_strain);
 }
 
+/// The yield stress and the toughness of [material] and of the regions.
+void read_strength(const Value& document, const std::vector<std::optional<Value>>& regions, Case& c) {
+  const auto read = [](const Value& table) {
+    Strength s;
+    for (const auto& [key, value] : {std::pair{"yield", &s.yield}, std::pair{"toughness", &s.toughness},
+                                     std::pair{"release_rate", &s.release_rate}})
+      if (const auto given = find(table, key)) *value = in_range(*given);
+    if (s.toughness && s.release_rate)
+      fail(need(table, "release_rate").node->position,
+           fmt::format("{0}.release_rate and {0}.toughness say the same: give one of them", table.name));
+    return s;
+  };
+  const auto says_something = [](const Strength& s) { return s.yield || s.toughness || s.release_rate; };
+  std::vector<Strength> all{read(*find_table(document, "material"))};
+  for (const std::optional<Value>& region : regions) all.push_back(region ? read(*region) : all.front());
+  if (std::ranges::any_of(all, says_something)) c.strength = std::move(all);
+}
+
 /// Why the edges of a body with curved sides are chords where mesh.curved = "auto"; empty: they follow the curves.
 std::string why_chords(const Case& c) {
   if (const auto why = refusal(c.element, can_be_curved)) return *why;
@@ -262,6 +280,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_material(document, c);
   const ReadRegions regions = read_regions(document, file, c);
   const std::vector<Loop>& frozen = regions.frozen;
+  read_strength(document, regions.tables, c);
   read_interfaces(document, c);
   read_patches(document, c);
   Definitions definitions = read_definitions(document, c);

@@ -70,6 +70,14 @@ Peak peak(const Json& from) {
 ResultantResult read_resultant(const Json& from) {
   return {text(from, "on"), read_place(from.at("force")), read_number(from, "moment")};
 }
+std::vector<ReserveResult> read_reserves(const Json& from) {
+  std::vector<ReserveResult> out;
+  if (!from.contains("reserve")) return out;
+  for (const Json& r : from["reserve"])
+    out.push_back({text(r, "of"), read_number(r, "value"), read_number(r, "limit"), read_number(r, "factor"),
+                   read_place(r.at("at")), text(r, "region"), text(r, "crack")});
+  return out;
+}
 Eigen::VectorXd numbers(const Json& from) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(from.size()));
   for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = read_number(from[static_cast<std::size_t>(i)]);
@@ -131,6 +139,7 @@ StateResult state(const Json& from) {
   }
   if (from.contains("plate")) s.thickness = read_number(from["plate"], "thickness");
   s.load_case = text(from, "load_case");
+  s.reserves = read_reserves(from);
   return s;
 }
 
@@ -140,6 +149,7 @@ LoadCaseResult load_case(const Json& from) {
   if (from.contains("max_von_mises")) c.von_mises = peak(from["max_von_mises"]);
   if (from.contains("max_displacement")) c.displacement = Peak{read_placed(from["max_displacement"])};
   for (const Json& r : list(from, "reactions")) c.reactions.push_back(read_resultant(r));
+  c.reserves = read_reserves(from);
   return c;
 }
 

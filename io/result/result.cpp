@@ -110,6 +110,21 @@ Json plate_section(const StateResult& state, double thickness) {
   return out;
 }
 
+Json reserve_section(const std::vector<ReserveResult>& reserves) {
+  Json out = Json::array();
+  for (const ReserveResult& r : reserves) {
+    Json row = {{"of", r.of},
+                {"factor", number(r.factor)},
+                {"value", number(r.value)},
+                {"limit", number(r.limit)},
+                {"at", place_of(r.at)}};
+    if (!r.region.empty()) row["region"] = r.region;
+    if (!r.crack.empty()) row["crack"] = r.crack;
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
 Json state_section(const StateResult& state) {
   Json bounds = nullptr;
   if (state.energy_bounds) bounds = Json::array({number((*state.energy_bounds)[0]), number((*state.energy_bounds)[1])});
@@ -128,6 +143,7 @@ Json state_section(const StateResult& state) {
   if (state.von_mises) out["max_von_mises"] = peak_section(*state.von_mises);
   if (state.displacement) out["max_displacement"] = placed(state.displacement->largest);
   if (!state.load_case.empty()) out["load_case"] = state.load_case;
+  if (!state.reserves.empty()) out["reserve"] = reserve_section(state.reserves);
   if (!state.notes.empty()) out["notes"] = state.notes;
   if (state.balance) out["resultants"] = resultants(state);
   if (const auto& t = state.thickness) out["plate"] = plate_section(state, *t);
@@ -141,6 +157,7 @@ Json load_case_section(const LoadCaseResult& c) {
               {"compliance", number(c.compliance)}};
   if (c.von_mises) out["max_von_mises"] = peak_section(*c.von_mises);
   if (c.displacement) out["max_displacement"] = placed(c.displacement->largest);
+  if (!c.reserves.empty()) out["reserve"] = reserve_section(c.reserves);
   out["reactions"] = Json::array();
   for (const ResultantResult& r : c.reactions) out["reactions"].push_back(resultant(r));
   return out;

@@ -127,12 +127,37 @@ void add_resultants(std::string& out, const StateResult& s, const Units& units) 
   if (s.balance) line("balance", "", *s.balance);
 }
 
+/// "yield 2.31: von Mises stress 108.2 of 250 at (1, 2) in region "stiff"".
+std::vector<std::string> in_words(const ReserveResult& r, const Units& u) {
+  const bool yield = r.of == "yield", rate = r.of == "release_rate";
+  const std::string of = unit(u, yield  ? dimension::stress
+                                 : rate ? dimension::release_rate
+                                        : dimension::stress_intensity);
+  return {fmt::format("{} {:.3g}{}", yield ? "yield" : "fracture", r.factor, r.factor < 1 ? " (exceeded)" : ""),
+          fmt::format("{} {:.4g} of {:.4g}{} at ({:.4g}, {:.4g}){}{}",
+                      yield  ? "von Mises stress"
+                      : rate ? "G"
+                             : "K_eq",
+                      r.value, r.limit, of.empty() ? "" : " " + of, r.at.x(), r.at.y(),
+                      r.region.empty() ? "" : fmt::format(" in region {}", clean_text(r.region)),
+                      r.crack.empty() ? "" : fmt::format(", crack {}", clean_text(r.crack)))};
+}
+
+void add_reserves(std::string& out, const std::vector<ReserveResult>& reserves, const Units& u) {
+  for (std::size_t k = 0; k < reserves.size(); ++k) add(out, k == 0 ? "reserve" : "", in_words(reserves[k], u));
+}
+
 void add_load_cases(std::string& out, const std::vector<LoadCaseResult>& cases, const Units& u) {
   for (const LoadCaseResult& c : cases) {
     add(out, "load case",
         {clean_text(c.name), item("weight", c.weight), item("compliance", c.compliance, unit(u, dimension::energy))});
     if (c.von_mises) add(out, "", in_words("max von Mises stress", *c.von_mises, unit(u, dimension::stress)));
     if (c.displacement) add(out, "", in_words("max displacement", *c.displacement, unit(u, dimension::length)));
+    for (const ReserveResult& r : c.reserves) {
+      std::vector<std::string> words = in_words(r, u);
+      words[0] = "reserve " + words[0];
+      add(out, "", words);
+    }
     for (const ResultantResult& r : c.reactions)
       add(out, "", {"reaction " + clean_text(r.on), force(r, u), item("moment", r.moment, unit(u, dimension::moment))});
   }
@@ -482,6 +507,7 @@ void add_state(std::string& out, const StateResult& s, const Units& u) {
         {fmt::format("energy{} in [{}, {}]{}", s.of_polygon ? " of the polygon" : "", six((*s.energy_bounds)[0]),
                      six((*s.energy_bounds)[1]), energy.empty() ? "" : " " + energy)});
   }
+  add_reserves(out, s.reserves, u);
   add_resultants(out, s, u);
   if (s.thickness) add_plate(out, s, *s.thickness, u);
   for (const std::string& note : s.notes) add_sentence(out, "note", note);

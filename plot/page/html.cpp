@@ -68,6 +68,19 @@ void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Uni
   facts.add(name + ", singular", placed(peak.largest) + " (larger on finer meshes)");
 }
 
+void add_reserve(Facts& facts, const ReserveResult& r, const Units& units) {
+  const bool yield = r.of == "yield", rate = r.of == "release_rate";
+  const Dimension of = yield ? dimension::stress : rate ? dimension::release_rate : dimension::stress_intensity;
+  std::string name = yield ? "reserve against yield" : "reserve against fracture";
+  if (!r.region.empty()) name += " in region " + r.region;
+  if (!r.crack.empty()) name += ", crack " + r.crack;
+  facts.add(name, fmt::format("<b>{}</b>: {} {} of {} at {}", pretty(r.factor, 3),
+                              yield  ? "von Mises stress"
+                              : rate ? "G"
+                                     : "K_eq",
+                              pretty(r.value, 4), with_unit(r.limit, units, of), at_place(r.at)));
+}
+
 std::string note(const std::string& text, bool bad) {
   return fmt::format("<p class=\"note{}\">{}</p>\n", bad ? " bad" : "", escape_html(text));
 }

@@ -30,6 +30,8 @@ std::string folded(const std::string& summary, const std::string& html);
 std::string folded_section(const std::string& title, const std::string& summary, const std::string& html);
 
 /// What a finer mesh does not change first.
+/// "reserve against yield": "2.31: von Mises stress 108.2 of 250 MPa at (1, 2)".
+void add_reserve(Facts& facts, const ReserveResult& reserve, const Units& units);
 void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Units& units, const Dimension& of);
 
 std::string note(const std::string& text, bool bad = false);

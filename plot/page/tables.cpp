@@ -43,6 +43,7 @@ std::string state_table(const Result& r) {
   facts.add("area", with_unit(s.area, u, dimension::area));
   if (s.von_mises) add_peak(facts, "largest von Mises stress", *s.von_mises, u, dimension::stress);
   if (s.displacement) add_peak(facts, "largest displacement", *s.displacement, u, dimension::length);
+  for (const ReserveResult& r : s.reserves) add_reserve(facts, r, u);
   if (s.estimated_error) facts.add("estimated error", pretty(*s.estimated_error));
   if (s.energy_bounds)
     facts.add(s.of_polygon ? "energy of the polygon between" : "energy between",

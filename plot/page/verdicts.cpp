@@ -114,31 +114,73 @@ std::string verdicts(const Result& r) {
   return out.empty() ? out : fmt::format("<ul class=\"verdicts\" aria-label=\"Verdicts\">\n{}</ul>\n", out);
 }
 
+namespace {
+
+/// "28.98 ± 0.8 N/mm": four digits, of the margin one.
+std::string with_margin(double value, std::optional<double> margin, const Units& units,
+                        const std::optional<Dimension>& of) {
+  std::string out = pretty(value, 4);
+  if (margin && std::isfinite(*margin)) out += " ± " + pretty(*margin, 1);
+  return of ? out + escape_html(with_blank(unit(units, *of))) : out;
+}
+
+/// The tip that is pulled most, if any has K.
+struct WorstTip {
+  const CrackResult* crack = nullptr;
+  const TipResult* tip = nullptr;
+};
+WorstTip worst_tip(const Result& r) {
+  WorstTip worst;
+  for (const CrackResult& crack : r.cracks)
+    for (const TipResult& tip : crack.tips)
+      if (tip.K_I && tip.K_II && (!worst.tip || tip.G.value_or(0) > worst.tip->G.value_or(0))) worst = {&crack, &tip};
+  return worst;
+}
+
+}  // namespace
+
 std::string key_numbers(const Result& r) {
   std::string out;
   const auto add = [&](const std::string& name, const std::string& number) {
     out += fmt::format("<div><b>{}</b><span>{}</span></div>\n", number, escape_html(name));
   };
+  const auto add_placed = [&](const std::string& name, const PlacedValue& v, const Dimension& of) {
+    add(name, with_margin(v.value, v.margin, r.units, of));
+  };
   if (r.optimize) {
-    add("objective", with_unit(r.optimize->objective, r.units, r.functional_dimension));
+    add("objective", with_margin(r.optimize->objective, {}, r.units, r.functional_dimension));
     add("volume fraction", pretty(r.optimize->volume_fraction, 4));
   }
-  if (r.functional)
-    add(r.functional->kind + " (functional)", with_unit(r.functional->value, r.units, r.functional_dimension));
-  if (r.state) {
-    add("energy", with_unit(r.state->energy, r.units, dimension::energy));
-    add("compliance", with_unit(r.state->compliance, r.units, dimension::energy));
-    if (const auto& peak = r.state->von_mises)
-      add("largest von Mises stress",
-          with_unit((peak->singular && peak->regular ? *peak->regular : peak->largest).value, r.units,
-                    dimension::stress));
-    if (const auto& peak = r.state->displacement)
-      add("largest displacement", with_unit(peak->largest.value, r.units, dimension::length));
+  if (const auto [crack, tip] = worst_tip(r); tip) {
+    const std::string of =
+        r.cracks.size() + crack->tips.size() > 2 ? " of " + crack->name + ", the tip pulled most" : "";
+    const auto margin = [&](double TipResult::Margin::*of_what) {
+      return tip->margin ? std::optional(*tip->margin.*of_what) : std::nullopt;
+    };
+    add("K_I" + of, with_margin(*tip->K_I, margin(&TipResult::Margin::K_I), r.units, dimension::stress_intensity));
+    add("K_II" + of, with_margin(*tip->K_II, margin(&TipResult::Margin::K_II), r.units, dimension::stress_intensity));
+    if (tip->G) add("G" + of, with_margin(*tip->G, margin(&TipResult::Margin::G), r.units, dimension::release_rate));
   }
-  if (r.triangles > 0) add("triangles", fmt::format("{}", r.triangles));
-  if (r.state) add("unknowns", fmt::format("{}", r.state->unknowns));
-  if (std::isfinite(r.seconds.total)) add("seconds", fmt::format("{:.3g}", r.seconds.total));
-  return fmt::format("<div class=\"key\">\n{}</div>\n", out);
+  if (r.state && !r.state->reserves.empty()) {
+    const ReserveResult& least = r.state->reserves.front();
+    add(least.of == "yield" ? "reserve against yield" : "reserve against fracture", pretty(least.factor, 3));
+  }
+  if (r.functional)
+    add(r.functional->kind + " (functional)", with_margin(r.functional->value, {}, r.units, r.functional_dimension));
+  if (r.state) {
+    const std::string said = r.functional ? r.functional->kind : std::string();
+    if (said != "energy") add("energy", with_margin(r.state->energy, {}, r.units, dimension::energy));
+    if (said != "compliance") add("compliance", with_margin(r.state->compliance, {}, r.units, dimension::energy));
+    if (const auto& peak = r.state->von_mises)
+      add_placed("largest von Mises stress", peak->singular && peak->regular ? *peak->regular : peak->largest,
+                 dimension::stress);
+    if (const auto& peak = r.state->displacement) add_placed("largest displacement", peak->largest, dimension::length);
+  }
+  std::vector<std::string> size;
+  if (r.triangles > 0) size.push_back(fmt::format("{} triangles", r.triangles));
+  if (r.state) size.push_back(fmt::format("{} unknowns", r.state->unknowns));
+  if (std::isfinite(r.seconds.total)) size.push_back(fmt::format("{:.3g} seconds", r.seconds.total));
+  return fmt::format("<div class=\"key\">\n{}</div>\n<p class=\"size\">{}</p>\n", out, fmt::join(size, ", "));
 }
 
 }  // namespace kerf
