@@ -3,6 +3,7 @@
 
 #include "kerf/types.hpp"
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -17,7 +18,7 @@ struct Swept {
   std::string key;
   std::vector<std::string> values;
 };
-/// "mesh.size=[0.1, 0.05]". Throws Error(Usage).
+/// "mesh.size=[0.1, 0.05]", "mesh.size=0.1,0.05", "mesh.size=auto". Throws Error(Usage).
 Swept parse_swept(std::string_view assignment);
 
 /// A run of the sweep: a folder and its values, one for every key that is swept.
@@ -30,8 +31,15 @@ struct SweepPlan {
   std::filesystem::path case_file, folder;
   std::vector<std::string> overrides;  // of all runs: "key=value"
   std::vector<Swept> over;
-  std::vector<SweepRun> runs;  // every value with every other, the last key fastest
+  /// Of result.json, for the table: names, or their ends ("K_I"); "all". Empty: intensities, release rates, the largest
+  /// stress, functionals, verdicts and the like.
+  std::vector<std::string> columns = {};
+  bool study = false;               // of convergence: mesh.size takes three values, each half of the one before
+  std::vector<SweepRun> runs = {};  // every value with every other, the last key fastest
 };
+/// "mesh.size=auto" becomes twice the size of the case, its size and half of it. Throws Error(Usage) where it stands
+/// for another key; what read_case throws.
+SweepPlan with_sizes(SweepPlan plan);
 /// The folders are called by their values, so that a sweep that gets further values keeps what it has. Throws
 /// Error(Usage) for a key or a value that stands twice, and for too many runs.
 SweepPlan plan_sweep(SweepPlan plan);
@@ -50,11 +58,25 @@ RunRecord record_of(const SweepPlan& plan, const SweepRun& run);
 /// A failure, for record_of: to failed.txt in the folder of the run.
 void write_failure(const std::filesystem::path& folder, int exit_code, const std::string& message);
 
+/// A quantity on three meshes, each of half the size of the one before, and its limit by Richardson's extrapolation:
+/// q = limit + c h^order. No limit where the differences do not fall, or change sign.
+struct Convergence {
+  std::string of, with;  // the column; values of other keys, "crack[0].contact=open"
+  std::array<double, 3> size{}, value{};
+  double order = nan, limit = nan;
+  double error = nan;  // of the value on the finest mesh: its distance from the limit, or the larger difference
+  double said = nan;   // the margin that the finest run itself says
+};
+/// Fills in order, limit and error.
+void extrapolate(Convergence& c);
+
 struct SweepSummary {
   std::size_t done = 0, failed = 0, missing = 0;
   std::vector<std::string> failures;  // "name: reason"
+  std::vector<Convergence> convergence = {};
 };
-/// sweep.csv and sweep.html, from the folders of the runs.
+/// sweep.csv and sweep.html, from the folders of the runs; of a study of convergence convergence.csv, too. Throws
+/// Error(Usage) for a column that no run has.
 SweepSummary collect_sweep(const SweepPlan& plan);
 
 /// "97 runs done, 3 failed", with the failures.

@@ -4,7 +4,7 @@ _kerf() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run solve map check validate grow optimize sweep report mesh keys init bench --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run solve map check watch validate grow optimize sweep report mesh keys init help bench --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -19,14 +19,16 @@ _kerf() {
     solve) options="--help --output --set --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     map) options="--help --output --set --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     check) options="--help --output --set --threads --untrusted --quiet --log-level --force --max-memory --max-seconds" ;;
-    validate) options="--help --output --set --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
+    watch) options="--help --output --set --untrusted" ;;
+    validate) options="--help --output --set --strict --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     grow) options="--help --output --set --resume --threads --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
     optimize) options="--help --output --set --resume --threads --processes --untrusted --quiet --log-level --force --dry-run --max-memory --max-seconds" ;;
-    sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --untrusted --collect --quiet" ;;
-    report) options="--help --quiet --max-memory --max-seconds" ;;
+    sweep) options="--help --output --set --over --jobs --threads --write --max-memory --max-seconds --untrusted --columns --collect --quiet" ;;
+    report) options="--help --output --quiet --max-memory --max-seconds" ;;
     mesh) options="--help --output --format --set --threads --untrusted --quiet --log-level --force --max-memory --max-seconds" ;;
     keys) options="--help --markdown --schema --completion --write" ;;
     init) options="--help --list --output --force" ;;
+    help) options="--help" ;;
     bench) options="--help" ;;
   esac
   if [[ $word == -* ]]; then
@@ -72,6 +74,9 @@ material.poisson
 material.shear
 material.angle
 material.thickness
+material.yield
+material.toughness
+material.release_rate
 material.eigenstrain
 material.state
 region[0].name
@@ -86,6 +91,9 @@ region[0].young
 region[0].poisson
 region[0].shear
 region[0].angle
+region[0].yield
+region[0].toughness
+region[0].release_rate
 region[0].eigenstrain
 interface[0].name
 interface[0].between
@@ -286,6 +294,13 @@ optimize.nucleate
 optimize.nucleate.every
 optimize.nucleate.fraction
 optimize.frozen
+optimize.keep_out[0].name
+optimize.keep_out[0].circle.center
+optimize.keep_out[0].circle.radius
+optimize.keep_out[0].ellipse.center
+optimize.keep_out[0].ellipse.semi_axes
+optimize.keep_out[0].ellipse.angle_deg
+optimize.keep_out[0].polygon
 optimize.move
 optimize.inner_product
 optimize.smoothing
@@ -294,13 +309,6 @@ optimize.symmetry.y
 optimize.symmetry.point
 optimize.symmetry.direction
 optimize.min_feature
-optimize.keep_out[0].name
-optimize.keep_out[0].circle.center
-optimize.keep_out[0].circle.radius
-optimize.keep_out[0].ellipse.center
-optimize.keep_out[0].ellipse.semi_axes
-optimize.keep_out[0].ellipse.angle_deg
-optimize.keep_out[0].polygon
 optimize.min_gap
 optimize.min_radius
 optimize.start.holes
@@ -383,6 +391,9 @@ synthetic.region[0].young
 synthetic.region[0].poisson
 synthetic.region[0].shear
 synthetic.region[0].angle
+synthetic.region[0].yield
+synthetic.region[0].toughness
+synthetic.region[0].release_rate
 synthetic.region[0].eigenstrain
 synthetic.element
 synthetic.degree

@@ -414,7 +414,7 @@ PYBIND11_MODULE(_kerf, m) {
       .def(py::init([](const std::string& case_file, const std::string& folder,
                        const std::vector<std::string>& overrides,
                        const std::vector<std::pair<std::string, std::vector<std::string>>>& over) {
-        SweepPlan plan{.case_file = case_file, .folder = folder, .overrides = overrides};
+        SweepPlan plan{.case_file = case_file, .folder = folder, .overrides = overrides, .columns = {"all"}};
         for (const auto& [key, values] : over) plan.over.push_back({key, values});
         return plan_sweep(std::move(plan));
       }))

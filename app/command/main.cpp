@@ -9,6 +9,7 @@
 #include "app/command/report.hpp"
 #include "app/command/templates.hpp"
 #include "app/command/version.hpp"
+#include "app/command/watch.hpp"
 #include "app/command/watchdog.hpp"
 #include "app/command_line.hpp"
 #include "app/folder.hpp"
@@ -59,11 +60,14 @@ struct Arguments {
   std::string max_memory;  // "12GB"
   double max_seconds = 0;  // 0: any
   bool untrusted = false;
+  bool strict = false;            // of validate
+  std::string other, page;        // of report
   std::vector<std::string> over;  // of sweep
   int jobs = 0;                   // 0: one per core
   int threads_of_run = 1;
   std::string write;  // a script instead of runs
   bool collect = false;
+  std::string columns;
 };
 
 struct Command {
@@ -76,6 +80,7 @@ const std::vector<Command>& commands() {
       {"solve", "The state alone: displacement, stress, contact, stress intensities"},
       {"map", "The state and the map of the topological derivative"},
       {"check", "Read the case, mesh it, print what each label selected, draw check.png; solve nothing"},
+      {"watch", "Check the case again whenever it is saved, beside a page that shows it"},
       {"validate", "The state, and whether a map is right: holes of several radii are made and compared"},
       {"grow", "The state, and its cracks grown from their tips, quasi-statically or by fatigue"},
       {"optimize", "Nucleate, move and reshape holes until the design is best"},
@@ -84,6 +89,7 @@ const std::vector<Command>& commands() {
       {"mesh", "The mesh alone, for gmsh or ParaView"},
       {"keys", "What may stand in a case file: all keys, or one of them"},
       {"init", "Write a commented case to begin from"},
+      {"help", "The options of a command"},
       {"bench", "Speed against error, with CSV, JSON and pictures"}};
   return all;
 }
@@ -107,6 +113,8 @@ void declare_sweep(CommandOptions& sub, Arguments& arguments) {
              {"snakemake", "slurm"});
   declare_limits(sub, arguments, "Of each run, as 800MB or 12GB", "Of each run");
   declare_untrusted(sub, arguments);
+  sub.words("--columns", arguments.columns,
+            "What the table shows: names of result.json or their ends, as K_I,verdict; all; default what is usual");
   sub.flag("--collect", arguments.collect, "Make the table of what there is; run nothing");
   sub.flag("--quiet", arguments.quiet, "No summary and no progress");
 }
@@ -134,11 +142,13 @@ void declare(CommandLine& line, Arguments& arguments) {
     }
     if (command.name == "report") {
       sub.words("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>", true);
+      sub.words("OTHER", arguments.other, "Folder of another run to compare it with, in compare.html");
+      sub.words("-o,--output", arguments.page, "Where compare.html goes; default the folder of the other run");
       sub.flag("--quiet", arguments.quiet, "Do not say what was written");
       declare_limits(sub, arguments, end_memory, end_seconds);
       continue;
     }
-    if (command.name == "bench") continue;  // a program of its own, which reads its arguments itself
+    if (command.name == "bench" || command.name == "help") continue;  // a program of its own; see spell_help
     sub.words("CASE", arguments.case_file, "The case file (TOML)", true);
     if (command.name == "mesh") {
       sub.words("-o,--output", arguments.folder, "The file to write: .msh or .vtu; default <case name>.msh");
@@ -148,10 +158,16 @@ void declare(CommandLine& line, Arguments& arguments) {
     }
     sub.several("--set", arguments.overrides, "Override one key of the case: mesh.size=0.02 (may be repeated)",
                 "KEY=VALUE");
+    if (command.name == "watch") {
+      declare_untrusted(sub, arguments);
+      continue;
+    }
     if (command.name == "sweep") {
       declare_sweep(sub, arguments);
       continue;
     }
+    if (command.name == "validate")
+      sub.flag("--strict", arguments.strict, "Exit with 4 unless the expansion holds at every point");
     if (command.name == "run" || command.name == "optimize" || command.name == "grow")
       sub.flag("--resume", arguments.resume,
                "Go on with the optimization or the growth whose checkpoint is in the folder");
@@ -279,6 +295,15 @@ int perform_report(const Arguments& arguments) {
     throw Error(Fault::Files, fmt::format("{} is no folder; give the folder of a run that has ended, such as "
                                           "out/cracked_plate",
                                           folder.string()));
+  if (!arguments.other.empty()) {
+    const std::filesystem::path other = arguments.other, page = arguments.page.empty()
+                                                                    ? other / "compare.html"
+                                                                    : std::filesystem::path(arguments.page);
+    write_comparison(folder, other, page);
+    if (!arguments.quiet) print(fmt::format("wrote {}\n", page.string()));
+    return 0;
+  }
+  if (!arguments.page.empty()) throw Error(Fault::Usage, "-o goes with two folders: kerf report A B -o compare.html");
   FolderLock lock;
   lock.take(folder);
   write_report(folder);
@@ -296,6 +321,22 @@ std::optional<Forecast> foretell(const Case& c, Job job, const Arguments& argume
   }
 }
 
+/// Throws Error(Numerics) unless the expansion holds at every point.
+void require_all_hold(const Result& result) {
+  std::vector<std::string> others;
+  std::size_t points = 0;
+  if (result.validate)
+    for (const Validation& v : result.validate->points) {
+      ++points;
+      if (v.verdict != Verdict::Holds)
+        others.push_back(fmt::format("({:.6g}, {:.6g}) {}", v.at.x(), v.at.y(), word(v.verdict)));
+    }
+  if (points == 0) throw Error(Fault::Numerics, "--strict: no point was validated");
+  if (!others.empty())
+    throw Error(Fault::Numerics, fmt::format("--strict: the expansion does not hold at {} of {} points: {}",
+                                             others.size(), points, fmt::join(others, ", ")));
+}
+
 int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions& options, Watchdog& watchdog) {
   watchdog.allow_forecast();
   const std::optional<Forecast> expected = foretell(c, job, arguments);
@@ -309,6 +350,7 @@ int perform_jobs(const Arguments& arguments, const Case& c, Job job, RunOptions&
   progress.finish();
   if (!arguments.quiet) print(fmt::format("{}results in {}\n", summary(result), options.folder.string()));
   if (result.status != "ok") throw Error(Fault::Numerics, result.reason.value_or(result.status));
+  if (arguments.strict) require_all_hold(result);
   return 0;
 }
 
@@ -322,23 +364,43 @@ std::string collecting(const Arguments& arguments, const SweepPlan& plan) {
                                  "--collect"};
   for (const std::string& one : arguments.overrides) words.insert(words.end(), {"--set", one});
   for (const std::string& one : arguments.over) words.insert(words.end(), {"--over", one});
+  if (!arguments.columns.empty()) words.insert(words.end(), {"--columns", arguments.columns});
   std::vector<const char*> argv;
   for (const std::string& word : words) argv.push_back(word.c_str());
   return command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+/// What cannot be made is said by what is written there.
+void make_result_folder(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+}
+
+/// Words between commas.
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::string word;
+  for (const char c : text + ",")
+    if (c == ',')
+      !word.empty() ? words.push_back(word) : void(), word.clear();
+    else if (c != ' ')
+      word += c;
+  return words;
 }
 
 int perform_sweep(const Arguments& arguments) {
   SweepPlan plan{.case_file = arguments.case_file, .folder = arguments.folder, .overrides = arguments.overrides};
   if (plan.folder.empty()) plan.folder = std::filesystem::path("out") / (plan.case_file.stem().string() + "_sweep");
   for (const std::string& one : arguments.over) plan.over.push_back(parse_swept(one));
+  plan.columns = split(arguments.columns);
+  plan = with_sizes(std::move(plan));
   plan = plan_sweep(std::move(plan));
   keep_file(plan.case_file, overrides_of(plan, plan.runs[0]));  // a key that cannot be is said before anything is made
   if (!arguments.write.empty()) {
     print(write_sweep_script(plan, arguments.write, arguments.threads_of_run, collecting(arguments, plan)));
     return 0;
   }
-  std::error_code failed;
-  std::filesystem::create_directories(plan.folder, failed);
+  make_result_folder(plan.folder);
   FolderLock lock;
   lock.take(plan.folder);
   catch_signals();
@@ -375,6 +437,15 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
   if (arguments.command == "sweep") {
     limits_of(arguments);  // what they mean is said before anything is made
     return perform_sweep(arguments);
+  }
+  if (arguments.command == "watch") {
+    const std::filesystem::path file = arguments.case_file;
+    const std::filesystem::path folder =
+        arguments.folder.empty() ? std::filesystem::path("out") / file.stem() : std::filesystem::path(arguments.folder);
+    catch_signals();
+    make_result_folder(folder);
+    watch_case(file, arguments.overrides, folder);
+    return 0;
   }
   const Case c = read_case(arguments.case_file, arguments.overrides);
   if (!processes.words().empty() && c.backend != Backend::Petsc)
@@ -448,7 +519,22 @@ std::span<char*> before_words(int argc, char** argv, Processes& processes) {
   return {all.begin(), at};
 }
 
-int start(int argc, char** argv) {
+/// `kerf help COMMAND` as `kerf COMMAND --help`, `kerf help` as `kerf --help`; ends with a null as argv does.
+std::vector<char*> spell_help(int argc, char** argv, std::string& option) {
+  std::vector<char*> words(argv, argv + argc);
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    words.erase(words.begin() + 1);
+    words.push_back(option.data());
+  }
+  words.push_back(nullptr);
+  return words;
+}
+
+int start(int given, char** words) {
+  std::string help = "--help";
+  std::vector<char*> spelled = spell_help(given, words, help);
+  const int argc = static_cast<int>(spelled.size()) - 1;
+  char** argv = spelled.data();
   if (argc > 1 && std::string_view(argv[1]) == "bench") start_bench(argv + 1);
   Processes processes;
   const std::span<char*> own = before_words(argc, argv, processes);

@@ -11,11 +11,18 @@
 
 namespace kerf {
 
+void require_result(const std::filesystem::path& folder) {
+  if (std::filesystem::exists(folder / "result.json")) return;
+  const bool sweep = std::filesystem::exists(folder / "sweep.csv");
+  throw Error(Fault::Files,
+              fmt::format("{} holds no result.json; give the folder of {}", folder.string(),
+                          sweep ? "one of the runs of this sweep; the page of them all is sweep.html, and kerf sweep "
+                                  "with --collect makes it again"
+                                : "a run that has ended, such as out/cracked_plate"));
+}
+
 void write_report(const std::filesystem::path& folder) {
-  if (!std::filesystem::exists(folder / "result.json"))
-    throw Error(Fault::Files, fmt::format("{} holds no result.json; give the folder of a run that has ended, such as "
-                                          "out/cracked_plate",
-                                          folder.string()));
+  require_result(folder);
   const Result result = read_result(folder);
   PageData data;
   if (std::filesystem::exists(folder / "report.bin")) data.arrays = read_arrays(folder / "report.bin");

@@ -7,12 +7,15 @@
 
 #include "app/sweep.hpp"
 
+#include "app/sweep/convergence.hpp"
 #include "app/sweep/sweep_page.hpp"
 #include "io/csv.hpp"
 #include "io/document.hpp"
 #include "io/files.hpp"
 #include "io/kept.hpp"
 #include "io/words.hpp"
+#include "kerf/case_file.hpp"
+#include "kerf/mesher.hpp"
 #include "optimize/checkpoint.hpp"
 
 #include <fmt/format.h>
@@ -50,7 +53,7 @@ std::string name_of(const std::vector<std::string>& keys, const std::vector<std:
   constexpr std::size_t longest = 100;
   std::string name, whole;
   for (std::size_t k = 0; k < keys.size(); ++k) {
-    name += fmt::format("{}{}={}", k ? "," : "", keys[k], word_of(values[k]));
+    name += fmt::format("{}{}={}", k ? "__" : "", keys[k], word_of(values[k]));
     whole += fmt::format("{}={}\n", keys[k], values[k]);
   }
   return name.size() <= longest ? name : fmt::format("run-{:016x}", checksum(whole));
@@ -99,6 +102,30 @@ bool is_of_this_case(const SweepPlan& plan, const SweepRun& run) {
   }
 }
 
+/// Parts between commas that stand in no bracket and no quotes.
+std::vector<std::string> parts_of(std::string_view text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0)
+      quote = c == quote ? 0 : quote;
+    else if (c == '"' || c == '\'')
+      quote = c;
+    else if (c == '[' || c == '{')
+      ++depth;
+    else if (c == ']' || c == '}')
+      --depth;
+    if (c == ',' && depth == 0 && quote == 0)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+constexpr const char* by_itself = "\"auto\"";
+
 }  // namespace
 
 Swept parse_swept(std::string_view assignment) {
@@ -108,19 +135,43 @@ Swept parse_swept(std::string_view assignment) {
   const std::string name = fmt::format("--over {}", key);
   if (equals == std::string_view::npos || key.empty())
     throw Error(Fault::Usage, fmt::format("--over {}: values are missing; write key=[1, 2]", quote(assignment)));
-  Node values;
-  try {
-    override_value(values, fmt::format("values={}", assignment.substr(equals + 1)));
-  } catch (const Error& e) {
-    const std::string what = e.what();
-    throw Error(Fault::Usage, fmt::format("{}{}", name, what.substr(what.find(':'))));
+  const auto parse = [&](std::string_view text) {
+    Node values;
+    try {
+      override_value(values, fmt::format("values={}", text));
+    } catch (const Error& e) {
+      const std::string what = e.what();
+      throw Error(Fault::Usage, fmt::format("{}{}", name, what.substr(what.find(':'))));
+    }
+    return values.entries.at(0).value;
+  };
+  const std::vector<std::string> parts = parts_of(assignment.substr(equals + 1));
+  Swept listed{key, {}};
+  if (parts.size() > 1) {
+    for (const std::string& part : parts) listed.values.push_back(inline_text(parse(part), Digits::Needed));
+    return listed;
   }
-  const Node& list = values.entries.at(0).value;
+  const Node list = parse(parts[0]);
+  if (inline_text(list, Digits::Needed) == by_itself) return {key, {by_itself}};
   if (list.kind != Node::Kind::Array || list.items.empty())
     throw Error(Fault::Usage, fmt::format("{}: write a list of its values, as '{}=[1, 2]'", name, key));
   Swept out{key, {}};
   for (const Node& value : list.items) out.values.push_back(inline_text(value, Digits::Needed));
   return out;
+}
+
+SweepPlan with_sizes(SweepPlan plan) {
+  for (Swept& one : plan.over) {
+    if (one.values != std::vector<std::string>{by_itself}) continue;
+    if (one.key != "mesh.size")
+      throw Error(Fault::Usage,
+                  fmt::format("--over {0}=auto: only mesh.size=auto is known; write {0}=[1, 2]", one.key));
+    const Case c = read_case(plan.case_file, plan.overrides);
+    const double size = target_size(c.sizing, c.shape);
+    one.values = {fmt::format("{}", 2 * size), fmt::format("{}", size), fmt::format("{}", 0.5 * size)};
+    plan.study = true;
+  }
+  return plan;
 }
 
 SweepPlan plan_sweep(SweepPlan plan) {
@@ -190,6 +241,13 @@ std::string reason_of(const fs::path& folder, const RunRecord& record) {
   return fs::exists(folder / "failed.txt") ? read_failure(folder).second : std::string();
 }
 
+/// A text of TOML as it is, without its quotes where it holds no escape.
+std::string unquoted(const std::string& value) {
+  const bool plain =
+      value.size() >= 2 && value.front() == '"' && value.back() == '"' && value.find('\\') == std::string::npos;
+  return plain ? value.substr(1, value.size() - 2) : value;
+}
+
 void write_table(const fs::path& path, const SweepTable& table) {
   std::string out = "run";
   for (const std::string& key : table.keys) out += fmt::format(",{}", csv_text(key));
@@ -198,7 +256,7 @@ void write_table(const fs::path& path, const SweepTable& table) {
   out += "\n";
   for (const SweepTable::Row& row : table.rows) {
     out += csv_text(row.name);
-    for (const std::string& value : row.values) out += fmt::format(",{}", csv_text(value));
+    for (const std::string& value : row.values) out += fmt::format(",{}", csv_text(unquoted(value)));
     out += fmt::format(",{},{}", csv_text(row.status), csv_text(row.reason));
     for (const std::string& cell : row.cells) out += fmt::format(",{}", csv_text(cell));
     out += "\n";
@@ -225,6 +283,13 @@ SweepSummary collect_sweep(const SweepPlan& plan) {
     table.rows.push_back(std::move(row));
   }
   for (SweepTable::Row& row : table.rows) row.cells.resize(table.columns.size());
+  if (plan.study) summary.convergence = convergence_of(table, "mesh.size");
+  choose_columns(table, plan.columns);
+  if (plan.study) {
+    std::erase_if(summary.convergence, [&](const Convergence& c) { return !std::ranges::count(table.columns, c.of); });
+    write_convergence(plan.folder / "convergence.csv", summary.convergence);
+    table.convergence = summary.convergence;
+  }
   write_table(plan.folder / "sweep.csv", table);
   write_sweep_page(plan.folder / "sweep.html", table, plan.folder);
   return summary;
@@ -239,6 +304,7 @@ std::string in_words(const SweepSummary& summary, const SweepPlan& plan) {
   for (std::size_t k = 0; k < std::min(most, summary.failures.size()); ++k)
     out += fmt::format("failed: {}\n", summary.failures[k]);
   if (summary.failures.size() > most) out += fmt::format("and {} more\n", summary.failures.size() - most);
+  out += in_words(summary.convergence);
   out += fmt::format("table in {}, page in {}\n", (plan.folder / "sweep.csv").string(),
                      (plan.folder / "sweep.html").string());
   return out;

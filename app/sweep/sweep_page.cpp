@@ -5,6 +5,7 @@
 
 #include "app/sweep/sweep_page.hpp"
 
+#include "app/sweep/convergence.hpp"
 #include "io/files.hpp"
 #include "io/text.hpp"
 #include "kerf/types.hpp"
@@ -27,6 +28,7 @@ constexpr const char* style = R"(
 @media (prefers-color-scheme: dark) { :root { --ink: #e4e9ee; --paper: #14191f; --line: #3b4653; --mark: #7db8ee; --bad: #f09a8a; } }
 body { font: 15px/1.45 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 0 auto; max-width: 1200px; padding: 1em; }
 .grid { display: grid; grid-template-columns: repeat(auto-fill, minmax(220px, 1fr)); gap: 1em; }
+.two { grid-template-columns: 1fr 1fr; }
 figure { margin: 0; border: 1px solid var(--line); border-radius: 6px; padding: .5em; overflow-wrap: anywhere; font-size: 13px; }
 figure img, figure svg { width: 100%; height: auto; display: block; }
 a { color: var(--mark); }
@@ -195,24 +197,65 @@ void add_result(SweepTable& table, SweepTable::Row& row, const std::vector<Leaf>
   }
 }
 
+bool is_usual(std::string_view name) {
+  static constexpr std::array<std::string_view, 15> ends{
+      "K_I",   "K_II",  "G",          "verdict",         "stopped", "objective", "coefficient", "energy",
+      "value", "ended", "compliance", "volume_fraction", "lower",   "upper",     "cycles"};
+  for (const std::string_view hidden : {".spread.", ".margin.", ".residual", "time_s.", ".history"})
+    if (name.find(hidden) != std::string_view::npos) return false;
+  if (name == "mesh.triangles") return true;
+  const std::string_view last = name.substr(name.rfind('.') + 1);
+  return std::ranges::find(ends, last) != ends.end();
+}
+
+void choose_columns(SweepTable& table, const std::vector<std::string>& wanted) {
+  if (wanted == std::vector<std::string>{"all"}) return;
+  const auto names = [](const std::string& column, const std::string& word) {
+    return column == word ||
+           (column.size() > word.size() && column.ends_with(word) && column[column.size() - word.size() - 1] == '.');
+  };
+  for (const std::string& word : wanted)
+    if (!table.columns.empty() && std::ranges::none_of(table.columns, [&](const auto& c) { return names(c, word); }))
+      throw Error(Fault::Usage,
+                  fmt::format("--columns {}: no run has such a quantity; {}", word, suggest(word, table.columns)));
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < table.columns.size(); ++k)
+    if (wanted.empty() ? is_usual(table.columns[k])
+                       : std::ranges::any_of(wanted, [&](const auto& word) { return names(table.columns[k], word); }))
+      kept.push_back(k);
+  const auto pick = [&](auto& all) {
+    std::remove_cvref_t<decltype(all)> some;
+    for (const std::size_t k : kept) some.push_back(all[k]);
+    all = std::move(some);
+  };
+  pick(table.columns);
+  pick(table.is_number);
+  for (SweepTable::Row& row : table.rows) pick(row.cells);
+}
+
+std::string plain_page(const std::string& title, const std::string& body, const std::string& head) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv="
+      "\"Content-Security-Policy\" content=\"script-src 'none'; object-src 'none'; base-uri 'none'; "
+      "form-action 'none'\">\n<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n<title>{0}</title>"
+      "\n{3}<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}</main>\n</body>\n</html>\n",
+      escape_html(title), style, body, head);
+}
+
 void write_sweep_page(const fs::path& path, const SweepTable& table, const fs::path& folder) {
   const auto count = [&](std::string_view status) {
     return std::ranges::count_if(table.rows, [&](const auto& row) { return row.status == status; });
   };
-  const std::string title = escape_html(fmt::format("Sweep of {}", table.title));
   std::string keys;
   for (const std::string& key : table.keys) keys += fmt::format("{}{}", keys.empty() ? "" : ", ", key);
-  write_file(path,
-             fmt::format("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv="
-                         "\"Content-Security-Policy\" content=\"script-src 'none'; object-src 'none'; base-uri 'none'; "
-                         "form-action 'none'\">\n<meta name=\"viewport\" "
-                         "content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
-                         "</head>\n<body>\n<main>\n<h1>{}</h1>\n<p>{} runs over {}: {} ok, {} failed, {} not yet run. "
-                         "All numbers are in <a href=\"sweep.csv\">sweep.csv</a>.</p>\n",
-                         title, style, title, table.rows.size(), escape_html(keys), count("ok"), count("failed"),
-                         count("missing")) +
-                 failures(table) + panels(table) + pictures(table, folder) + table_of(table) +
-                 "</main>\n</body>\n</html>\n");
+  write_file(path, plain_page(fmt::format("Sweep of {}", table.title),
+                              fmt::format("<p>{} runs over {}: {} ok, {} failed, {} not yet run. The numbers are in "
+                                          "<a href=\"sweep.csv\">sweep.csv</a>.</p>\n",
+                                          table.rows.size(), escape_html(keys), count("ok"), count("failed"),
+                                          count("missing")) +
+                                  failures(table) + convergence_table(table.convergence) + panels(table) +
+                                  pictures(table, folder) + table_of(table)));
 }
 
 }  // namespace kerf

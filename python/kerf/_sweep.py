@@ -105,7 +105,7 @@ def _collecting(base, folder, overrides, values):
         words += ["--set", assignment]
     for key, all_values in values:
         words += ["--over", f"{key}=[{', '.join(all_values)}]"]
-    return shlex.join(words)
+    return shlex.join(words + ["--columns", "all"])
 
 
 def _run_one(origin, overrides, folder, threads):

@@ -129,6 +129,17 @@ TEST_F(Commands, ValidateSaysThatItHolds) {
   }
 }
 
+TEST_F(Commands, StrictEndsWith4UnlessTheExpansionHolds) {
+  const std::string point = pulled + no_files + "[validate]\npoints = [[0.5, 0.5]]\n";
+  write(point + "radii = [0.08, 0.04, 0.02, 0.01]\n");
+  EXPECT_EQ(kerf({"validate", "a.toml", "--strict", "-o", "r", "--quiet"}), 0) << text("stderr");
+  write(point + "radii = [0.44, 0.4, 0.36]\n");
+  EXPECT_EQ(kerf({"validate", "a.toml", "-o", "s", "--quiet"}), 0) << text("stderr");
+  EXPECT_EQ(kerf({"validate", "a.toml", "--strict", "-o", "t", "--quiet"}), 4);
+  EXPECT_NE(text("stderr").find("does not hold at 1 of 1 points: (0.5, 0.5) out of range"), std::string::npos)
+      << text("stderr");
+}
+
 // A small crack that is pressed from all sides changes nothing.
 TEST_F(Commands, ValidateSaysThatItVanishes) {
   const json r =
@@ -215,6 +226,113 @@ TEST_F(Commands, SweepRunsACasePerValue) {
       EXPECT_NEAR(std::log2(young), std::round(std::log2(young)), 1e-10);
     }
   EXPECT_EQ(found, 3);
+}
+
+TEST_F(Commands, WatchShowsWhatWasSaved) {
+  write(pulled);
+  kerf::test::Running watch(folder, {KERF_PROGRAM, "watch", "a.toml", "-o", "w"});
+  const auto shows = [&](const char* words) {
+    return kerf::test::eventually([&] { return text("w/watch.html").find(words) != std::string::npos; });
+  };
+  ASSERT_TRUE(shows("The case is right, change 1")) << text("stderr");
+  EXPECT_TRUE(std::filesystem::exists(folder / "w/check.png"));
+  write(pulled + "[mesh2]\n");
+  EXPECT_TRUE(shows("a.toml:19:2: unknown key")) << text("w/watch.html");
+  write(pulled);
+  EXPECT_TRUE(shows("The case is right, change 3")) << text("w/watch.html");
+  watch.signal(SIGINT);
+  EXPECT_EQ(watch.code(), 0);
+}
+
+TEST_F(Commands, HelpIsThatOfTheCommand) {
+  ASSERT_EQ(kerf({"sweep", "--help"}), 0);
+  const std::string help = text("stdout");
+  EXPECT_EQ(kerf({"help", "sweep"}), 0);
+  EXPECT_EQ(text("stdout"), help);
+  EXPECT_EQ(kerf({"--help"}), 0);
+  const std::string all = text("stdout");
+  EXPECT_EQ(kerf({"help"}), 0);
+  EXPECT_EQ(text("stdout"), all);
+  EXPECT_EQ(kerf({"help", "swep"}), 2);
+  EXPECT_NE(text("stderr").find("did you mean \"sweep\"?"), std::string::npos) << text("stderr");
+}
+
+TEST_F(Commands, ReportComparesTwoRuns) {
+  write(pulled + no_files);
+  ASSERT_EQ(kerf({"solve", "a.toml", "-o", "one", "--quiet"}), 0) << text("stderr");
+  ASSERT_EQ(kerf({"solve", "a.toml", "-o", "two", "--quiet", "--set", "material.young=4"}), 0) << text("stderr");
+  ASSERT_EQ(kerf({"report", "one", "two"}), 0) << text("stderr");
+  const std::string page = text("two/compare.html");
+  EXPECT_NE(page.find("<tr><td>material.young</td><td>2</td><td>4</td><td>+2 (+100 %)</td></tr>"), std::string::npos)
+      << page;
+  EXPECT_NE(page.find("<tr><td>state.energy</td><td>-0.25</td><td>-0.125</td><td>+0.125 (+50 %)</td></tr>"),
+            std::string::npos)
+      << page;
+  EXPECT_EQ(page.find("time_s"), std::string::npos);
+  ASSERT_EQ(kerf({"report", "one", "one", "-o", "same.html"}), 0) << text("stderr");
+  EXPECT_NE(text("same.html").find("the cases are the same"), std::string::npos);
+  EXPECT_EQ(kerf({"report", "one", "none"}), 5);
+  EXPECT_EQ(kerf({"report", "one", "-o", "x.html"}), 2);
+}
+
+// A bar with E = 2 under a stress of 1: the reserve against a yield stress of 2.5 is 2.5.
+TEST_F(Commands, SolveSaysTheReserve) {
+  const json r = result("solve", pulled, {"material.yield=2.5"});
+  ASSERT_EQ(r["state"]["reserve"].size(), 1u);
+  EXPECT_EQ(r["state"]["reserve"][0]["of"], "yield");
+  EXPECT_NEAR(r["state"]["reserve"][0]["factor"], 2.5, 1e-9);
+  EXPECT_NEAR(r["state"]["reserve"][0]["value"], 1, 1e-9);
+}
+
+// K of a tip, its toughness in the region in which it lies; G_c = K_Ic^2/E says the same.
+TEST_F(Commands, SolveSaysTheReserveOfATip) {
+  const json r = result("solve", pulled + crack, {"material.toughness=3"});
+  ASSERT_EQ(r["state"]["reserve"].size(), 2u);
+  double least = 1e9;
+  for (const json& tip : r["cracks"][0]["tips"])
+    least = std::min(least, 3 / std::hypot(tip["K_I"].get<double>(), tip["K_II"].get<double>()));
+  EXPECT_NEAR(r["state"]["reserve"][0]["factor"], least, 1e-9);
+  EXPECT_EQ(r["state"]["reserve"][0]["crack"], "c");
+  const json rate = result("solve", pulled + crack, {"material.release_rate=4.5"});
+  EXPECT_NEAR(rate["state"]["reserve"][0]["factor"], least, 1e-3 * least);
+}
+
+TEST_F(Commands, SweepShowsTheColumnsThatAreAskedFor) {
+  write(pulled + no_files);
+  const std::vector<std::string> sweep = {"sweep", "a.toml", "--over", "solver.element=bdms,peers",
+                                          "-o",    "s",      "--quiet"};
+  ASSERT_EQ(kerf(sweep), 0) << text("stderr");
+  const auto head = [&] {
+    const std::string table = text("s/sweep.csv");
+    return table.substr(0, table.find('\n'));
+  };
+  EXPECT_NE(head().find(",state.energy"), std::string::npos) << head();
+  EXPECT_EQ(head().find("residual"), std::string::npos) << head();
+  EXPECT_NE(text("s/sweep.csv").find("\nelement=peers,peers,ok,"), std::string::npos) << text("s/sweep.csv");
+  const auto with = [&](const char* columns) {
+    std::vector<std::string> words = sweep;
+    words.insert(words.end(), {"--collect", "--columns", columns});
+    return words;
+  };
+  EXPECT_EQ(kerf(with("energy,residual")), 0) << text("stderr");
+  EXPECT_EQ(head(), "run,solver.element,status,reason,state.residual,state.energy");
+  EXPECT_EQ(kerf(with("all")), 0) << text("stderr");
+  EXPECT_NE(head().find("state.work_error"), std::string::npos) << head();
+  EXPECT_EQ(kerf(with("K_V")), 2);
+}
+
+// A hole in a bar: K_t on three meshes tends to a limit that lies beyond the finest value; the energy is of order 2 or
+// more.
+TEST_F(Commands, SweepOverSizesSaysWhatTheyTendTo) {
+  write(pulled + no_files + "[[hole]]\nname = \"h\"\ncircle = { center = [0.5, 0.5], radius = 0.2 }\n");
+  ASSERT_EQ(kerf({"sweep", "a.toml", "--over", "mesh.size=auto", "-o", "s", "--set", "solver.degree=1"}), 0)
+      << text("stderr");
+  EXPECT_NE(text("stdout").find("state.energy"), std::string::npos) << text("stdout");
+  const std::string table = text("s/convergence.csv");
+  EXPECT_NE(table.find("state.energy,,0.40000000000000002,0.20000000000000001,0.10000000000000001,"), std::string::npos)
+      << table;
+  EXPECT_NE(text("s/sweep.html").find("<h2>Convergence</h2>"), std::string::npos);
+  EXPECT_EQ(kerf({"sweep", "a.toml", "--over", "material.young=auto", "-o", "t"}), 2);
 }
 
 // A result.json that is damaged is the failure of its own run, told in its row; the sweep goes on, and mends it.
