@@ -87,6 +87,7 @@ only gmsh io/mesh/gmsh_module.cpp
 only petsc app/parts/petsc_module.cpp
 only mpi app/parts/petsc_module.cpp
 only cairo plot/figure/pen.hpp
+only png plot/figure/png.cpp
 only nlohmann io/result/result.cpp io/result/leaves.cpp io/result/read.cpp io/result/bounded_json.cpp io/result/bounded_json.hpp io/case/key_schema.cpp bench/command/records.cpp bench/verify/records.cpp
 only CLI app/command/command_line.cpp
 only spdlog app/command/progress.cpp

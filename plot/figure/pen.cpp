@@ -5,6 +5,8 @@
 
 #include "plot/figure/pen.hpp"
 
+#include "plot/figure/png.hpp"
+
 #include "base/address_space.hpp"
 #include "io/files.hpp"
 
@@ -94,22 +96,13 @@ Measure ruler() {
   return [page](const std::string& text, const Font& font) { return text_width(page->pen(), text, font); };
 }
 
-namespace {
-
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int count) {
-  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), count);
-  return CAIRO_STATUS_SUCCESS;
-}
-
-}  // namespace
-
 void save(const std::filesystem::path& path, const Sheet& page) {
-  std::string bytes;
-  cairo_status_t status = cairo_status(page.pen());
-  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_write_to_png_stream(page.surface.get(), append, &bytes);
-  if (status != CAIRO_STATUS_SUCCESS)
+  if (const cairo_status_t status = cairo_status(page.pen()); status != CAIRO_STATUS_SUCCESS)
     throw Error(Fault::Files, fmt::format("cannot draw '{}': {}", path.string(), cairo_status_to_string(status)));
-  write_file(path, bytes);
+  cairo_surface_t* const surface = page.surface.get();
+  cairo_surface_flush(surface);
+  write_file(path, png_of(cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface),
+                          cairo_image_surface_get_data(surface), cairo_image_surface_get_stride(surface)));
 }
 
 }  // namespace kerf
