@@ -104,6 +104,8 @@ std::optional<std::string> wrong_keep_out(const Shape& body, const Scene& scene,
   } catch (const Error& e) {
     return e.what();
   }
+  if (rest.labels.size() == body.labels.size())
+    return fmt::format("keep_out \"{}\" lies outside the body: there is nothing to keep out", keep_out.name);
   if (const auto problem = find_problem(rest))
     return fmt::format("keep_out \"{}\" leaves no body: {}", keep_out.name, *problem);
   constexpr int samples = 64;  // of a side

@@ -1,6 +1,7 @@
 // A body without regions that stay void: areas by inclusion and exclusion, labels, what is refused.
 
 #include "optimize/constraints.hpp"
+#include "optimize/refuse.hpp"
 
 #include <gtest/gtest.h>
 
@@ -90,6 +91,18 @@ TEST(KeepOut, WhatLeavesNoBodyIsRefused) {
   Shape cracked = square(2);
   cracked.cracks.push_back({"c", {{0.5, 1}, {1.5, 1}}, {}});
   EXPECT_NE(refusal(cracked, circle("disc", {1.5, 1}, 0.2, none)).find("crack \"c\""), std::string::npos);
+}
+
+TEST(KeepOut, WhatActsInItIsNamed) {
+  Scene scene;
+  scene.material = plane_stress(1, 0.3);
+  scene.supports.push_back({.label = 3});
+  scene.tractions.push_back({1, [](const Vec2&, const Vec2&) { return Vec2(1, 0); }});
+  const auto why = [&](const Loop& loop) { return wrong_keep_out(square(2), scene, loop).value_or(""); };
+  EXPECT_NE(why(circle("a", {0, 1}, 0.3, none)).find("\"left\", which is held"), std::string::npos);
+  EXPECT_NE(why(circle("a", {2, 1}, 0.3, none)).find("\"right\", which is loaded"), std::string::npos);
+  EXPECT_EQ(why(circle("a", {1, 2}, 0.3, none)), "");
+  EXPECT_NE(why(circle("a", {9, 2}, 0.3, none)).find("nothing to keep out"), std::string::npos);
 }
 
 /// A star-shaped polygon or a circle at random.
