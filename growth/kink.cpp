@@ -239,22 +239,6 @@ Direction direction(Criterion criterion, const TipLoad& tip, double length) {
   return {};
 }
 
-DirectionRange direction_range(Criterion criterion, const TipLoad& tip, const TipLoad& errors, double length) {
-  check(tip, length);
-  check(errors, 0);
-  DirectionRange range{infinity, -infinity};
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto moved = [&](double value, double error, int bit) {
-      return corner & bit ? value + error : value - error;
-    };
-    const TipLoad load{moved(tip.K_I, errors.K_I, 1), moved(tip.K_II, errors.K_II, 2), moved(tip.T, errors.T, 4)};
-    const Direction d = direction(criterion, load, length);
-    for (const double angle : {d.angle, d.rival.value_or(d.angle)})
-      range = {std::min(range.lower, angle), std::max(range.upper, angle)};
-  }
-  return range;
-}
-
 bool grows_by_shear(const TipLoad& tip, double K_Ic, double K_IIc, double length) {
   return opening_direction(tip, length).k.k_1 < K_Ic && std::abs(tip.K_II) > K_IIc;
 }

@@ -60,14 +60,6 @@ Direction opening_direction(const TipLoad& tip, double length = 0);
 
 Direction direction(Criterion criterion, const TipLoad& tip, double length = 0);
 
-/// Where the direction lies while K_I, K_II, T lie within their errors (>= 0) of those of the tip: of the corners of
-/// that box, in each of whose sides the angle is monotone. Both signs of the angle say that errors decide which way it
-/// turns.
-struct DirectionRange {
-  double lower = 0, upper = 0;
-};
-DirectionRange direction_range(Criterion criterion, const TipLoad& tip, const TipLoad& errors, double length = 0);
-
 /// Whether a crack under pressure grows in its own plane: no kink has k_1 >= K_Ic, and |K_II| > K_IIc.
 bool grows_by_shear(const TipLoad& tip, double K_Ic, double K_IIc, double length = 0);
 

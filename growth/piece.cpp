@@ -75,10 +75,4 @@ PathTip end_of(const GrowthPiece& piece, int n) {
   return {chords(piece, n).back(), piece.direction + piece.turn, (1 - piece.early) * piece.turn / piece.length};
 }
 
-int chord_count(const GrowthPiece& piece, double largest_turn) {
-  const double bend = std::abs((1 - piece.early) * piece.turn);
-  if (bend == 0) return 1;
-  return 1 + std::max(1, static_cast<int>(std::ceil(std::min(bend / largest_turn, 1000.))));
-}
-
 }  // namespace kerf::growth

@@ -43,7 +43,4 @@ std::vector<Vec2> chords(const GrowthPiece& piece, int n);
 /// The tip at its end.
 PathTip end_of(const GrowthPiece& piece, int n);
 
-/// Chords that no turn between two of them is larger than `largest_turn` with, 2 at least, 1 for a straight piece.
-int chord_count(const GrowthPiece& piece, double largest_turn);
-
 }  // namespace kerf::growth

@@ -44,6 +44,15 @@ Contours contours(const Shape& shape) {
   return out;
 }
 
+/// What speaks against the units of the law where growth begins; of tips in regions with laws of their own nothing.
+std::string doubt_units(const growth::GrowRequest& request, const growth::Grown& grown) {
+  if (!request.law || grown.steps.empty()) return {};
+  for (const growth::GrownTip& t : grown.steps.front().tips)
+    if (t.region == none && std::isfinite(t.K_max) && t.dK > 0)
+      if (std::string doubt = growth::doubt(*request.law, t.K_max, t.K_max - t.dK, t.a); !doubt.empty()) return doubt;
+  return {};
+}
+
 std::string file_of(int step) {
   return fmt::format("growth_{:04}.vtu", step);
 }
@@ -93,6 +102,7 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   growth::Grown grown = growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch, std::move(before));
   result.ended = std::move(grown.ended);
   result.notes = std::move(grown.notes);
+  if (std::string doubt = doubt_units(request, grown); !doubt.empty()) result.notes.push_back(std::move(doubt));
   result.solves = grown.solves;
   result.step = grown.step;
   result.path_error = grown.path_error;

@@ -100,6 +100,21 @@ TEST(GrowRun, RunGrowsToo) {
   EXPECT_FALSE(run(c, Job::Solve, {.folder = other.path / "out", .threads = 1}).growth);
 }
 
+// C of other units: the crack grows by more than its length in a cycle, or by less than an atom in any life.
+TEST(GrowRun, DoubtsTheUnitsOfALaw) {
+  for (const auto& [C, said] :
+       {std::pair{"1e3", "lengths of the crack per cycle"}, std::pair{"1e-40", "no growth in any life"}}) {
+    const TemporaryFolder folder;
+    const Case c = read_case(folder.write("a.toml", plate + fatigue),
+                             std::vector<std::string>{"grow.until.steps=1", std::string("grow.law.C=") + C});
+    const Result r = run(c, Job::Grow, {.folder = folder.path / "out", .threads = 1});
+    ASSERT_TRUE(r.growth);
+    EXPECT_TRUE(std::ranges::any_of(r.growth->notes, [&](const std::string& note) {
+      return note.find(said) != std::string::npos && note.find("other units") != std::string::npos;
+    })) << C;
+  }
+}
+
 TEST(GrowRun, SpectraComeFromTables) {
   const TemporaryFolder folder;
   folder.write("s.csv", "time,load\n0,0\n1,1.5\n2,-0.5\n3,1\n");

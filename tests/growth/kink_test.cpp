@@ -133,30 +133,6 @@ TEST(Kink, TurnsWithTheStressAlongIt) {
   EXPECT_EQ(*torn.rival, -torn.angle);
 }
 
-TEST(Kink, ErrorsOfKAreErrorsOfTheAngle) {
-  // theta = -2 K_II/K_I.
-  const DirectionRange small = direction_range(Criterion::LocalSymmetry, {1, 1e-3, 0}, {0.1, 1e-4, 0});
-  EXPECT_NEAR(small.lower, -2 * 1.1e-3 / 0.9, 1e-7);
-  EXPECT_NEAR(small.upper, -2 * 0.9e-3 / 1.1, 1e-7);
-  std::mt19937_64 random(8);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  for (int i = 0; i < 200; ++i) {
-    const TipLoad tip{unit(random) + 1.2, unit(random), 0.5 * unit(random)}, errors{0.2, 0.1, 0.1};
-    for (const Criterion c : {Criterion::LocalSymmetry, Criterion::Energy, Criterion::HoopStress}) {
-      const DirectionRange range = direction_range(c, tip, errors, 0.1);
-      const double angle =
-          direction(c, {tip.K_I + 0.2 * unit(random), tip.K_II + 0.1 * unit(random), tip.T + 0.1 * unit(random)}, 0.1)
-              .angle;
-      EXPECT_GE(angle, range.lower - 1e-12);
-      EXPECT_LE(angle, range.upper + 1e-12);
-    }
-  }
-  // Straight on by symmetry alone: an error of K_II decides.
-  const DirectionRange torn = direction_range(Criterion::LocalSymmetry, {1, 0, 0.6}, {0, 1e-12, 0}, 1);
-  EXPECT_LT(torn.lower, -0.3);
-  EXPECT_EQ(torn.upper, -torn.lower);
-}
-
 TEST(Kink, FollowsAWeakPlane) {
   const auto weak = [](double at, double depth) {
     return [=](double angle) { return 1 - depth * std::exp(-std::pow((angle - at) * 20, 2)); };

@@ -36,9 +36,6 @@ TEST(Piece, GoesOnSmoothly) {
   }
   const GrowthPiece straight = straight_piece({{1, 2}, pi / 2, 0}, -pi / 2, 3);
   EXPECT_LT((chords(straight, 1).back() - Vec2(4, 2)).norm(), 1e-15);
-  EXPECT_EQ(chord_count(straight, 0.1), 1);
-  EXPECT_EQ(chord_count(arc_piece(tip, 0.5, 1), 0.1), 6);
-  EXPECT_EQ(chord_count(arc_piece(tip, 1e-9, 1), 0.1), 2);
   // Behind a kink the direction is that of theta (1 + c sqrt(s)): two thirds of the turn in the mean.
   const std::vector<Vec2> kinked = chords(kinked_piece(tip, 0, 3e-3, 1), 7);
   EXPECT_NEAR(kinked.back().y(), 2e-3, 1e-8);
@@ -165,36 +162,6 @@ TEST(Step, PathOfCotterellAndRiceInTheOrderOfItsPieces) {
   }
 }
 
-TEST(Step, LengthsAreThoseThatTheToleranceAsks) {
-  for (const double beta : {-2., -1.})
-    for (const double tolerance : {1e-7, 1e-8, 1e-9}) {  // of lengths: the path itself turns by 1e-6
-      const SlightBody body = slight_body(beta);
-      Growing now;
-      PathErrors errors;
-      double length = 0.5;
-      int accepted = 0, refused = 0;
-      while (now.path.back().x() < 1 - 1e-9) {
-        length = std::min(length, 1 - now.path.back().x());
-        const Growing whole = grown(body, now, length, Pieces::Curved, 8);
-        const Growing half = grown(body, now, length / 2, Pieces::Curved, 8);
-        const Growing halves = grown(body, half, length / 2, Pieces::Curved, 8);
-        const StepControl control{.tolerance = tolerance, .order = now.first ? 1 : 2};
-        const StepJudgement j = judge({{whole.path.back()}, {}}, {{halves.path.back()}, {}}, length, control);
-        length = j.next_length;
-        if (!j.accepted) {
-          ASSERT_LT(++refused, 60);
-          continue;
-        }
-        errors.add(j);
-        now = halves;
-        ASSERT_LT(++accepted, 400);
-      }
-      const double exact = slightly_curved_path(1, 1e-6, beta), error = std::abs(now.path.back().y() - exact);
-      EXPECT_LT(error, errors.tip) << beta << tolerance;
-      EXPECT_LT(errors.tip, tolerance) << beta << tolerance;
-    }
-}
-
 TEST(Step, CompetingTips) {
   const Advances a = advance(std::vector<double>{1e-9, 4e-9, 0, 2e-9}, 0.5);
   EXPECT_EQ(a.lengths, (std::vector<double>{0.125, 0.5, 0, 0.25}));
@@ -206,19 +173,6 @@ TEST(Step, CompetingTips) {
   EXPECT_EQ(advance(std::vector<double>{1e-320, 3e-320}, 3).lengths[1], 3);
   EXPECT_THROW(advance(std::vector<double>{-1}, 1), Error);
   EXPECT_THROW(advance(std::vector<double>{1}, 0), Error);
-}
-
-TEST(Step, LeadingTip) {
-  const LeadingTip lead = leading_tip(std::vector<double>{1, 4, 9}, std::vector<double>{1, 1, 9});
-  EXPECT_EQ(lead.tip, 1);
-  EXPECT_EQ(lead.load_factor, 0.5);
-  EXPECT_TRUE(lead.with_it.empty());
-  const LeadingTip twins = leading_tip(std::vector<double>{4, 0, 4.001}, std::vector<double>{1, 1, 1});
-  EXPECT_EQ(twins.tip, 2);
-  EXPECT_EQ(twins.with_it, std::vector<Index>{0});
-  EXPECT_EQ(leading_tip(std::vector<double>{0, -1}, std::vector<double>{1, 1}).tip, none);
-  EXPECT_THROW(leading_tip(std::vector<double>{1}, std::vector<double>{0}), Error);
-  EXPECT_THROW(leading_tip(std::vector<double>{1}, std::vector<double>{1, 1}), Error);
 }
 
 // Loads on the ends of a strip of compliance C(a): G = P^2 C'/2 = G_c.
@@ -262,41 +216,6 @@ TEST(Step, ReleasedEnergyIsTheLossOfPotentialEnergy) {
   const std::vector<double> a = {1, 2}, two = {2, 2}, one = {1, 1};
   EXPECT_THROW(bound_released_energy(a, two, one), Error);
   EXPECT_THROW(released_energy(two, a), Error);
-}
-
-TEST(Step, JudgedByTwoHalves) {
-  // A local error c L^3: the halves have c L^3/4.
-  const double c = 0.02;
-  const auto judged = [&](double length, StepControl control) {
-    const double error = c * std::pow(length, 3);
-    return judge({{Vec2(1, error)}, {100 * (1 + error)}}, {{Vec2(1, error / 4)}, {100 * (1 + error / 4)}}, length,
-                 control);
-  };
-  const StepJudgement fine = judged(0.5, {.tolerance = 1e-2, .order = 2});
-  EXPECT_TRUE(fine.accepted);
-  EXPECT_NEAR(fine.tip_error, c / 8 / 4, 1e-15);
-  EXPECT_NEAR(fine.better_tips[0].y(), 0, 1e-15);
-  EXPECT_NEAR(fine.number_errors[0], 100 * c / 8 / 4, 1e-12);
-  EXPECT_GT(fine.next_length, 0.5);
-  const StepJudgement coarse = judged(4, {.tolerance = 1e-2, .order = 2});
-  EXPECT_FALSE(coarse.accepted);
-  EXPECT_TRUE(judged(coarse.next_length, {.tolerance = 1e-2, .order = 2}).accepted ||
-              judged(coarse.next_length, {.tolerance = 1e-2, .order = 2}).next_length < coarse.next_length);
-  const StepJudgement least = judged(4, {.tolerance = 1e-2, .order = 2, .least = 4});
-  EXPECT_TRUE(least.accepted && least.at_least);
-  EXPECT_EQ(judged(0.5, {.tolerance = 1e-2, .order = 2, .most = 0.6}).next_length, 0.6);
-  // Nothing to tell apart, quasi-static growth without cycles, a life that is infinite.
-  const StepJudgement same = judge({{Vec2(1, 0)}, {0, infinity}}, {{Vec2(1, 0)}, {0, infinity}}, 1, {});
-  EXPECT_TRUE(same.accepted);
-  EXPECT_EQ(same.next_length, 2);
-  EXPECT_FALSE(judge({{}, {1}}, {{}, {infinity}}, 1, {}).accepted);
-  PathErrors errors;
-  errors.add(fine);
-  errors.add(fine);
-  EXPECT_EQ(errors.tip, 2 * fine.tip_error);
-  EXPECT_EQ(errors.numbers[0], 2 * fine.number_errors[0]);
-  EXPECT_THROW(judge({{}, {1}}, {{}, {}}, 1, {}), Error);
-  EXPECT_THROW(judge({}, {}, 0, {}), Error);
 }
 
 }  // namespace
