@@ -58,6 +58,7 @@ PICTURES = {
     "tracking_map": ["map", "validate"],
     "two_loads": ["design"],
     "unloading_crack": ["von_mises"],
+    "worst_crack": ["design"],
 }
 # Processors round otherwise, and a design follows the last digit: what is drawn may differ by these shares.
 TOLERANCE, TOLERANCE_OF_DESIGNS = 2e-4, 2e-2

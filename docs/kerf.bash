@@ -142,6 +142,7 @@ functional.target
 functional.direction
 functional.measured
 functional.p
+functional.length
 functional.ring
 functional.weight
 functional.terms[0].kind
@@ -152,6 +153,7 @@ functional.terms[0].target
 functional.terms[0].direction
 functional.terms[0].measured
 functional.terms[0].p
+functional.terms[0].length
 functional.terms[0].ring
 functional.terms[0].weight
 functional.terms[0].factor
@@ -275,6 +277,7 @@ optimize.bound[0].target
 optimize.bound[0].direction
 optimize.bound[0].measured
 optimize.bound[0].p
+optimize.bound[0].length
 optimize.bound[0].ring
 optimize.bound[0].weight
 optimize.bound[0].terms[0].kind
@@ -285,6 +288,7 @@ optimize.bound[0].terms[0].target
 optimize.bound[0].terms[0].direction
 optimize.bound[0].terms[0].measured
 optimize.bound[0].terms[0].p
+optimize.bound[0].terms[0].length
 optimize.bound[0].terms[0].ring
 optimize.bound[0].terms[0].weight
 optimize.bound[0].terms[0].factor

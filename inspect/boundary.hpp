@@ -13,13 +13,16 @@ struct BoundaryPlace {
   // Distances: along the boundary to the next corner that is none of the singular points, to the next of these, to the
   // end of what is held (0 on it), and across the body to the next side, crack or other material.
   double corner = infinity, singular = infinity, support = infinity, across = infinity;
+  Index wedge = none;  // of a place that is a reentrant corner, its number
 };
 
 /// `count` places on every edge of the boundary, by the numbers of the edges; arcs of the mesh are followed, and chords
 /// of curves have the curvature that they turn by.
 std::vector<BoundaryPlace> places_along(const Model& model, int count);
 
-/// What a crack may not come near: sides, cracks, borders of materials, as segments.
+/// Sides, cracks, borders of materials: what a crack may not come near.
+bool is_feature(const Mesh& mesh, Index edge);
+/// All of them as segments.
 std::vector<std::array<Vec2, 2>> features(const Mesh& mesh);
 
 }  // namespace kerf::inspect

@@ -84,8 +84,8 @@ struct Intensities {
   std::array<std::array<Powers, 2>, 2> K;
 };
 
-Intensities open_faces(double beta, double eps, int n) {
-  const Equations e = equations(beta, eps, n);
+Intensities open_faces(const Equations& e) {
+  const auto n = static_cast<int>(e.tip.size());
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 * n, 2 * n);
   all.topLeftCorner(n - 1, n) = e.normal_open;
   all.topRightCorner(n - 1, n) = e.normal_slide;
@@ -107,8 +107,8 @@ Intensities open_faces(double beta, double eps, int n) {
   return found;
 }
 
-Powers sliding_faces(double beta, double friction, double eps, int n) {
-  const Equations e = equations(beta, eps, n);
+Powers sliding_faces(const Equations& e, double friction) {
+  const auto n = static_cast<int>(e.tip.size());
   Eigen::MatrixXd all(n, n), loads = Eigen::MatrixXd::Zero(n, powers);
   all.topRows(n - 1) = e.shear_slide + friction * e.normal_slide;
   all.row(n - 1) = e.mouth;
@@ -162,10 +162,17 @@ void add(Column& to, double weight, const Column& c) {
 
 }  // namespace
 
-OpenMouth open_mouth(double beta, int points) {
+namespace {
+
+/// The straight boundary and two curved ones, for the derivative by the curvature.
+using Curved = std::array<Equations, 3>;
+Curved curved(double beta, int points) {
   check_angle(beta);
-  const Intensities straight = open_faces(beta, 0, points), once = open_faces(beta, small, points),
-                    twice = open_faces(beta, 2 * small, points);
+  return {equations(beta, 0, points), equations(beta, small, points), equations(beta, 2 * small, points)};
+}
+
+OpenMouth open_mouth_of(const Curved& e) {
+  const Intensities straight = open_faces(e[0]), once = open_faces(e[1]), twice = open_faces(e[2]);
   OpenMouth mouth;
   for (std::size_t mode = 0; mode < 2; ++mode)
     for (std::size_t load = 0; load < 2; ++load)
@@ -173,32 +180,40 @@ OpenMouth open_mouth(double beta, int points) {
   return mouth;
 }
 
+Column sliding_mouth_of(const Curved& e, double friction) {
+  return column(sliding_faces(e[0], friction), sliding_faces(e[1], friction), sliding_faces(e[2], friction));
+}
+
+}  // namespace
+
+OpenMouth open_mouth(double beta, int points) {
+  return open_mouth_of(curved(beta, points));
+}
+
 Column sliding_mouth(double beta, double friction, int points) {
-  check_angle(beta);
-  return column(sliding_faces(beta, friction, 0, points), sliding_faces(beta, friction, small, points),
-                sliding_faces(beta, friction, 2 * small, points));
+  return sliding_mouth_of(curved(beta, points), friction);
 }
 
 // Mirrored about the normal, N stays and T changes its sign: K of the diagonal is even in beta - 90 degrees, the rest
-// odd.
+// odd, and sliding with friction is that of the mirror image with the opposite sign of friction.
 Mouths::Mouths(double friction) : friction_(friction) {
-  constexpr int count = 15;
-  for (int i = 0; i < count; ++i)
-    nodes_.push_back(pi / 2 + (pi / 2 - flattest) * std::cos((2 * i + 1) * pi / (2 * count)));
+  constexpr std::size_t count = 15;
+  for (std::size_t i = 0; i < count; ++i)
+    nodes_.push_back(pi / 2 + (pi / 2 - flattest) * std::cos((2 * static_cast<double>(i) + 1) * pi / (2. * count)));
   open_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  sliding_.resize(count);
+  for (std::size_t i = 0; 2 * i < count; ++i) {
     const std::size_t mirror = count - 1 - i;
-    sliding_.push_back(sliding_mouth(nodes_[i], friction));
-    if (mirror < i) {
-      open_[i] = open_[mirror];
-      for (std::size_t load = 0; load < 2; ++load) {
-        Column& odd = open_[i].K[1 - load][load];
-        const Column mirrored = odd;
-        odd = {};
-        add(odd, -1, mirrored);
-      }
-    } else {
-      open_[i] = open_mouth(nodes_[i]);
+    constexpr int points = 60;
+    const Curved e = curved(nodes_[i], points);
+    open_[mirror] = open_[i] = open_mouth_of(e);
+    sliding_[mirror] = sliding_mouth_of(e, -friction);
+    sliding_[i] = sliding_mouth_of(e, friction);
+    if (mirror == i) continue;
+    for (std::size_t load = 0; load < 2; ++load) {
+      Column& odd = open_[mirror].K[1 - load][load];
+      odd = {};
+      add(odd, -1, open_[i].K[1 - load][load]);
     }
   }
 }

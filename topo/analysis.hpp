@@ -40,7 +40,8 @@ void require_no_eigenstrain(const Scene& scene);
 /// asks it.
 void require_finite(const Functional& j, const Model& model);
 
-/// Throws Error(Usage) for a functional that does not know what an eigenstrain, or a pressure in its crack, does to it.
+/// Throws Error(Usage) for a functional that does not know what an eigenstrain, a pressure in its crack, an orthotropic
+/// material or a support on its sides does to it.
 void require_known_loads(const Functional& j, const Model& model);
 
 /// The largest share of the integral of a weight, a target or a direction that the points of the integrals may miss, as

@@ -47,6 +47,12 @@ struct EdgeCrack {
   Vec2 direction() const;  // of the crack, unit
 };
 
+/// A functional for maps and optimizations: (int K_I^p)^(1/p) along these parts of the boundary, K_I of open cracks of
+/// this length normal to it, with the terms of curvature and of the stress along them [theory: M.8]. The larger p, the
+/// nearer to the worst one. As the cycles that a crack lives fall like K^-m, that of 1/N with p is that of K with m p.
+/// Unit: K length^(1/p).
+Term worst_edge_crack(std::vector<Index> labels, double length, double p);
+
 /// How much damage a place bears.
 struct ToleranceRequest {
   std::optional<double> toughness = {};       // K_c

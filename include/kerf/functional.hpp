@@ -38,6 +38,16 @@ struct CrackDensity {
   double value = 0, by_jump_n = 0, by_pressure = 0;
 };
 
+/// Cracks of one length that may begin anywhere on parts of the boundary, normal to it [theory: M.8]: the integral of
+/// w max(K_I, 0)^p along it, K_I = sqrt(pi length) sum_k (weight_k + curvature length bend_k) s_t(depth_k length), with
+/// the stress s_t along the boundary at these depths. w falls from 1 to 0 between 5 and 2.5 lengths from corners and
+/// other places where the stress may be infinite.
+struct EdgeCrackNorm {
+  double length = 0, p = 0;
+  std::vector<Index> labels = {};
+  std::array<double, 3> depth = {}, weight = {}, bend = {};  // depths over the length
+};
+
 /// One term. Parts that are empty do not occur.
 struct Term {
   std::string kind;  // as in a case file, for messages and results: nothing is decided by it
@@ -66,6 +76,9 @@ struct Term {
   // Integral over a labeled part of the boundary, of the displacement there.
   Index label = none;
   std::function<Density(const Vec2& x, const Vec2& n, const Vec2& u)> on_boundary = {};
+
+  // Integral over parts of the boundary, of the stress beneath it.
+  std::optional<EdgeCrackNorm> edge_cracks = {};
 
   // Integral over a crack.
   Index crack = none;

@@ -11,6 +11,7 @@
 #include "io/case/table.hpp"
 #include "io/case/tip.hpp"
 #include "io/words.hpp"
+#include "kerf/edge_cracks.hpp"
 
 #include <fmt/format.h>
 
@@ -121,6 +122,17 @@ struct Reader {
     return terms;
   }
 
+  Term edge_crack_term(const Value& table) const {
+    const Value on = need(table, "on");
+    const std::vector<Index> labels = find_labels(on, c.shape);
+    for (const Support& support : c.scene.supports)
+      if (std::ranges::find(labels, support.label) != labels.end())
+        fail(on.node->position, fmt::format("{}: a displacement is prescribed on label {}, where no crack counts; "
+                                            "name other sides",
+                                            on.name, quote(c.shape.labels[support.label])));
+    return inspect::worst_edge_crack(labels, in_range(need(table, "length")), in_range(need(table, "p")));
+  }
+
   Term misfit_term(const Value& table) const {
     const Value on = need(table, "on");
     const std::vector<Index> labels = find_labels(on, c.shape);
@@ -208,6 +220,7 @@ struct Reader {
       return {kind == "stress_power" ? stress_power(p, weight(table), c.plane_strain)
                                      : stress_pnorm(p, weight(table), c.plane_strain)};
     }
+    if (kind == "worst_edge_crack") return {edge_crack_term(table)};
     if (kind == "misfit") return {misfit_term(table)};
     if (kind == "energy_release_rate") return {tip_term(table)};
     if (kind == "crack_opening") return {crack_opening(crack(table), weight(table))};
@@ -257,7 +270,40 @@ Functional read_functional_table(const Value& table, const std::filesystem::path
   return functional;
 }
 
+namespace {
+
+/// Whether a functional of edge cracks, alone or in a sum, is on that label.
+bool names_label(const Value& functional, const std::string& label) {
+  if (const auto terms = find(functional, "terms"))
+    for (const Value& term : items(*terms))
+      if (names_label(term, label)) return true;
+  const auto kind = find(functional, "kind"), on = find(functional, "on");
+  if (!kind || !on || kind->node->kind != Node::Kind::String || text(*kind) != "worst_edge_crack") return false;
+  const std::vector<Value> names = on->node->kind == Node::Kind::Array ? items(*on) : std::vector<Value>{*on};
+  return std::ranges::any_of(
+      names, [&](const Value& name) { return name.node->kind == Node::Kind::String && text(name) == label; });
+}
+
+/// Rims of holes that [optimize] draws have labels, where cracks may begin on them.
+void add_drawn_rims(const Value& document, Shape& shape) {
+  const auto optimize = find_table(document, "optimize");
+  if (!optimize) return;
+  std::vector<Value> functionals = find_tables(*optimize, "bound");
+  if (const auto own = find_table(document, "functional")) functionals.push_back(*own);
+  for (const Value& hole : find_tables(*optimize, "hole")) {
+    const auto name = find(hole, "name");
+    if (!name || name->node->kind != Node::Kind::String) continue;
+    const std::string label = "hole:" + text(*name);
+    if (std::ranges::find(shape.labels, label) == shape.labels.end() &&
+        std::ranges::any_of(functionals, [&](const Value& f) { return names_label(f, label); }))
+      shape.labels.push_back(label);
+  }
+}
+
+}  // namespace
+
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c) {
+  add_drawn_rims(document, c.shape);
   const auto table = find_table(document, "functional");
   c.functional =
       table ? read_functional_table(*table, folder, definitions, c, &c.file_notes) : Functional{.terms = {energy()}};

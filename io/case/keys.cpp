@@ -30,10 +30,10 @@ constexpr std::array<View, 9> element_names{
     "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
 constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
 constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
-constexpr std::array<View, 13> functional_kinds{
-    "energy",       "compliance",   "volume", "displacement_tracking", "boundary_tracking", "displacement",
-    "stress_power", "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",     "crack_pressure",
-    "sum"};
+constexpr std::array<View, 14> functional_kinds{
+    "energy",           "compliance",   "volume", "displacement_tracking", "boundary_tracking", "displacement",
+    "stress_power",     "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",     "crack_pressure",
+    "worst_edge_crack", "sum"};
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
@@ -525,7 +525,7 @@ constexpr Key rows[] = {
      "\"energy\" without the table"},
     {"functional.on",
      Text | Names,
-     {.with = "boundary_tracking|displacement|misfit", .required = true},
+     {.with = "boundary_tracking|displacement|misfit|worst_edge_crack", .required = true},
      "A label or a list of labels; of a misfit one label without a support.",
      "\"top\""},
     {"functional.crack",
@@ -555,9 +555,14 @@ constexpr Key rows[] = {
      "\"data.csv\""},
     {"functional.p",
      Number,
-     {.range = {2, 100}, .with = "stress_power|stress_pnorm", .required = true},
-     "The power of the von Mises stress.",
+     {.range = {2, 100}, .with = "stress_power|stress_pnorm|worst_edge_crack", .required = true},
+     "The power of the von Mises stress, or of K.",
      "4"},
+    {"functional.length",
+     Number,
+     {.range = above_zero, .with = "worst_edge_crack", .required = true},
+     "The length of the cracks.",
+     "0.5"},
     {"functional.ring",
      Pair,
      {.range = above_zero, .with = "energy_release_rate"},

@@ -151,7 +151,7 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
 }
 
 bool counts_stress(const Functional& j) {
-  return std::ranges::any_of(j.terms, [](const Term& term) { return term.stress_power > 0; });
+  return std::ranges::any_of(j.terms, [](const Term& term) { return term.stress_power > 0 || term.edge_cracks; });
 }
 
 Carved carved_again(const Ground& g, const Eigen::VectorXd& phi) {

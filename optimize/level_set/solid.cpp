@@ -31,6 +31,7 @@ Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std:
   for (const Functional* j : all)
     for (const Term& term : j->terms) {
       stays(term.label);
+      if (term.edge_cracks) std::ranges::for_each(term.edge_cracks->labels, stays);
       if (term.measured) stays(term.measured->label);
       if (term.feature_radius > 0) {
         solid.discs.emplace_back(term.feature, term.feature_radius);

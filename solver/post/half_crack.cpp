@@ -2,6 +2,7 @@
 // without supports lie on one straight line, the edges without supports up to the first turn. The half that is not
 // there is the mirror image of this one: the jump is twice the normal displacement.
 
+#include "geometry/boundary_walk.hpp"
 #include "solver/half_cracks.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
@@ -15,31 +16,29 @@ namespace {
 // A turn this small is rounding of coordinates.
 constexpr double off_line = 1e-6;
 
-/// The boundary as a walk with the body on the left.
+/// The boundary as a walk from edge to edge.
 struct Rim {
   const Mesh& mesh;
-  std::vector<Index> before, behind;  // per vertex the edge that ends there and the one that begins; none where several
-  explicit Rim(const Mesh& m) : mesh(m), before(m.points.size(), none), behind(m.points.size(), none) {
-    std::vector<int> count(m.points.size(), 0);
-    for (Index e = 0; e < static_cast<Index>(m.edges.size()); ++e) {
-      if (m.sides[e][0] != none && m.sides[e][1] != none) continue;
-      behind[start(e)] = e;
-      before[end(e)] = e;
-      ++count[start(e)];
-    }
-    for (std::size_t v = 0; v < count.size(); ++v)
-      if (count[v] > 1) before[v] = behind[v] = none;
+  const std::vector<BoundaryRun> runs;
+  std::vector<Index> run_of;  // per edge
+  explicit Rim(const Mesh& m) : mesh(m), runs(boundary_runs(m)), run_of(m.edges.size(), none) {
+    for (std::size_t r = 0; r < runs.size(); ++r) run_of[runs[r].edge] = static_cast<Index>(r);
+  }
+  const BoundaryRun& run(Index e) const {
+    return runs[static_cast<std::size_t>(run_of[e])];
   }
   Index start(Index e) const {
-    return mesh.edges[e][mesh.sides[e][0] != none ? 0 : 1];
+    return run(e).from;
   }
   Index end(Index e) const {
-    return mesh.edges[e][mesh.sides[e][0] != none ? 1 : 0];
+    return run(e).to;
   }
   /// The next edge, forwards or back, if it goes on straight.
   Index next(Index e, bool forwards) const {
-    const Index v = forwards ? end(e) : start(e), f = forwards ? behind[v] : before[v];
-    if (f == none || f == e || is_curved(e) || is_curved(f)) return none;
+    const Index r = forwards ? run(e).behind : run(e).before;
+    if (r == none) return none;
+    const Index f = runs[static_cast<std::size_t>(r)].edge;
+    if (f == e || is_curved(e) || is_curved(f)) return none;
     const Vec2 a = mesh.points[end(e)] - mesh.points[start(e)], b = mesh.points[end(f)] - mesh.points[start(f)];
     return std::abs(cross(a, b)) <= off_line * a.dot(b) ? f : none;
   }

@@ -13,6 +13,7 @@
 #include "kerf/recover.hpp"
 #include "solver/tangent_cone.hpp"
 #include "topo/analysis.hpp"
+#include "topo/functional/edge_crack_norm.hpp"
 #include "topo/functional/integrate.hpp"
 
 #include <fmt/core.h>
@@ -237,6 +238,8 @@ void require_no_eigenstrain(const Scene& scene) {
 // Loads under which a term has no derivative, or not the one that is coded: pressures in a ring, eigenstrains.
 void require_known_loads(const Functional& j, const Model& m) {
   const Scene& scene = m.scene;
+  for (const Term& term : j.terms)
+    if (term.edge_cracks) require_edge_cracks(*term.edge_cracks, m);
   for (const Term& term : j.terms)
     if (term.feature_radius > 0 && pressed_within(term, m))
       throw Error(Fault::Usage,

@@ -1,5 +1,5 @@
 // Integrals of a Term over body, boundary and crack, their derivative by the unknowns, and their change.
-//   I = int_body j(x, s, u*, omega) + int_label b(x, n, m) ds + int_crack c(x, [m]_n, p) ds
+//   I = int_body j(x, s, u*, omega) + int_label b(x, n, m) ds + int_crack c(x, [m]_n, p) ds + edge_crack_norm.cpp
 // s and omega are the element's own, u* is recovered [theory: R.1], m the trace, pressures are forces over lengths at
 // the Gauss points of the trace. The derivative is exact for the quadrature of the value: densities are differentiated
 // at the same points and go back through the transposes of the evaluations, u* through that of its recovery. Changes of
@@ -12,6 +12,7 @@
 #include "kerf/adjoint.hpp"
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
+#include "topo/functional/edge_crack_norm.hpp"
 #include "topo/functional/places.hpp"
 
 #include "base/parallel.hpp"
@@ -165,6 +166,7 @@ double on_surfaces(const Term& term, const Model& m, const Field& s) {
     along_crack(m, term.crack, [&](const JumpPoint& p) {
       if (counts(m, p.edge)) sum += p.share * term.on_crack(crack_state(s, p)).value;
     });
+  if (term.edge_cracks) sum += edge_crack_integral(*term.edge_cracks, m, s);
   return sum;
 }
 
@@ -268,7 +270,7 @@ double differentiate_on(const Term& term, const Model& m, const Field& s, const 
   return area(shape) * value;
 }
 
-// By the unknowns of boundary and crack.
+// By the unknowns of boundary and crack, and by the stress beneath the boundary.
 void differentiate_on_surfaces(const Term& term, const Model& m, const Field& s, Sensitivity& d) {
   if (term.on_boundary) {
     d.skeleton.setZero(m.inner->skeleton.total);
@@ -287,6 +289,7 @@ void differentiate_on_surfaces(const Term& term, const Model& m, const Field& s,
       d.force[p.unknown] += by.by_pressure;
     });
   }
+  if (term.edge_cracks) differentiate_edge_cracks(*term.edge_cracks, m, s, d);
 }
 
 // The work of the loads is linear: its derivative is the loads, on the trace and on the displacements of triangles.

@@ -76,7 +76,7 @@ std::optional<Dimension> dimension_of(const Functional& j) {
     std::string_view kind;
     Dimension dimension;
   };
-  const std::array<Known, 12> known{{{"energy", dimension::energy},
+  const std::array<Known, 13> known{{{"energy", dimension::energy},
                                      {"compliance", dimension::energy},
                                      {"misfit", dimension::energy},
                                      {"volume", dimension::area},
@@ -85,6 +85,7 @@ std::optional<Dimension> dimension_of(const Functional& j) {
                                      {"displacement", {0, 2}},
                                      {"stress_power", {term.stress_power, 2}},
                                      {"stress_pnorm", {1, term.stress_power > 0 ? 2 / term.stress_power : 0}},
+                                     {"worst_edge_crack", {1, 0.5 + (term.edge_cracks ? 1 / term.edge_cracks->p : 0)}},
                                      {"energy_release_rate", dimension::release_rate},
                                      {"crack_opening", {0, 2}},
                                      {"crack_pressure", {2, 1}}}};

@@ -23,6 +23,7 @@ namespace {
 struct Segment {
   Vec2 a, b;
   Near kind;
+  double depth = 0;  // of edge cracks that may begin there
 };
 
 /// Distance to the nearest feature less `clear`, and which one it is.
@@ -30,6 +31,14 @@ struct Looked {
   std::vector<double> margin;
   std::vector<Near> to;
 };
+
+double longest_edge_crack(const Functional& j, Index label) {
+  double longest = 0;
+  for (const Term& term : j.terms)
+    if (term.edge_cracks && std::ranges::find(term.edge_cracks->labels, label) != term.edge_cracks->labels.end())
+      longest = std::max(longest, term.edge_cracks->length);
+  return longest;
+}
 
 // Jumps of the data count as another material.
 std::vector<Segment> features(const Model& m, const Functional& j) {
@@ -46,7 +55,8 @@ std::vector<Segment> features(const Model& m, const Functional& j) {
       all.push_back({mesh.points[mesh.edges[e][0]], mesh.points[mesh.edges[e][1]],
                      boundary ? Near::Boundary
                      : crack  ? Near::Crack
-                              : Near::Material});
+                              : Near::Material,
+                     boundary ? longest_edge_crack(j, mesh.label[e]) : 0});
   }
   return all;
 }
@@ -74,7 +84,8 @@ Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, c
   const Index across = column(high.x(), 0) + 1, up = column(high.y(), 1) + 1;
   std::vector<std::vector<Segment>> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(up));
   for (const Segment& s : features(m, j)) {
-    const Vec2 from = s.a.cwiseMin(s.b).array() - reach, to = s.a.cwiseMax(s.b).array() + reach;
+    const double around = reach + s.depth;
+    const Vec2 from = s.a.cwiseMin(s.b).array() - around, to = s.a.cwiseMax(s.b).array() + around;
     for (Index i = std::max(column(from.x(), 0), 0); i <= std::min(column(to.x(), 0), across - 1); ++i)
       for (Index k = std::max(column(from.y(), 1), 0); k <= std::min(column(to.y(), 1), up - 1); ++k)
         cells[static_cast<std::size_t>(k) * across + i].push_back(s);
@@ -88,7 +99,7 @@ Looked look(const Model& m, const Functional& j, std::span<const Vec2> points, c
       double least = std::min(reach, to_ring);
       Near what = to_ring < reach ? Near::Ring : Near::Nothing;
       for (const Segment& s : cells[static_cast<std::size_t>(column(x.y(), 1)) * across + column(x.x(), 0)])
-        if (const double here = distance(x, s.a, s.b); here < least) {
+        if (const double here = distance(x, s.a, s.b) - s.depth; here < least) {
           least = here;
           what = s.kind;
         }

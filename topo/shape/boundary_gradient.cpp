@@ -25,7 +25,9 @@ bool is_free(const Analysis& a, const Functional& j, Index e, const EdgeRule& ru
   for (const Support& support : m.scene.supports)
     if (label == support.label) return false;
   for (const Term& term : j.terms)
-    if ((term.on_boundary && label == term.label) || (term.measured && label == term.measured->label)) return false;
+    if ((term.on_boundary && label == term.label) || (term.measured && label == term.measured->label) ||
+        (term.edge_cracks && std::ranges::find(term.edge_cracks->labels, label) != term.edge_cracks->labels.end()))
+      return false;
   const Vec2& from = m.mesh.points[m.mesh.edges[e][0]];
   const Vec2 side = m.mesh.points[m.mesh.edges[e][1]] - from, n = outward_normal(m.mesh, e);
   // A traction that vanishes at the points is none.

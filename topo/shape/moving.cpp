@@ -12,6 +12,7 @@
 #include "base/dense.hpp"
 #include "base/polynomial.hpp"
 #include "kerf/recover.hpp"
+#include "topo/functional/edge_crack_norm.hpp"
 #include "topo/functional/integrate.hpp"
 #include "topo/functional/places.hpp"
 
@@ -216,6 +217,7 @@ void add_surface_motion(const Term& term, double share, const Model& m, const Fi
                                   }));
     }
   }
+  if (term.edge_cracks) add_edge_crack_motion(*term.edge_cracks, share, m, s, gradient);
   if (term.on_crack)
     for (const CrackEdge& c : mesh.cracks[term.crack]) {
       if (m.inner->skeleton.jump[c.edge] == none) continue;

@@ -9,6 +9,7 @@
 #include "topo/validate/far_field.hpp"
 
 #include "base/parallel.hpp"
+#include "topo/functional/edge_crack_norm.hpp"
 
 namespace kerf {
 
@@ -81,8 +82,12 @@ class Outside {
   // Row i * columns + k: change k of the domain integral of term i; a column per triangle.
   // terms x columns numbers per triangle, summed afterwards in the order of the triangles: the same for any number of
   // threads.
-  Eigen::MatrixXd densities(const FarField& far) const {
+  Eigen::MatrixXd densities(const FarField& far) {
     const Index triangles = static_cast<Index>(m_.mesh.triangles.size());
+    std::vector<std::unique_ptr<EdgeCrackRest>> cracks(in_.j.terms.size());
+    for (std::size_t i = 0; i < cracks.size(); ++i)
+      if (const auto& norm = in_.j.terms[i].edge_cracks)
+        cracks[i] = std::make_unique<EdgeCrackRest>(*norm, m_, *in_.a.state, count_);
     Eigen::MatrixXd part = Eigen::MatrixXd::Zero(terms_ * count_, triangles);
     parallel_for(triangles, m_.threads, [&](Index from, Index to) {
       Eigen::MatrixXd traces(skeleton_count(m_.element), count_);
@@ -91,12 +96,16 @@ class Outside {
         for (Eigen::Index i = 0; i < terms_; ++i) {
           const Sensitivity& d = far.derivative[static_cast<std::size_t>(i)];
           if (d.interior.size() == 0) continue;
+          if (EdgeCrackRest* rest = cracks[static_cast<std::size_t>(i)].get()) rest->add(t, w);
           auto sum = part.col(t).segment(i * count_, count_);
           sum = w.transpose() * d.interior.col(t);
           if (const Term& term = in_.j.terms[static_cast<std::size_t>(i)]; !term.work) add_rest(term, t, w, sum);
         }
       }
     });
+    rest_.setZero(terms_, count_);
+    for (Eigen::Index i = 0; i < terms_; ++i)
+      if (const auto& rest = cracks[static_cast<std::size_t>(i)]) rest_.row(i) = rest->rest().transpose();
     return part;
   }
 
@@ -114,6 +123,7 @@ class Outside {
 
   // What the derivative leaves; close to a ball the change is not small.
   void add_rest(const Term& term, Index t, const Eigen::MatrixXd& w, Eigen::Ref<Eigen::VectorXd> sum) const {
+    if (!term.density) return;
     constexpr double close = 2.5;
     sum += second_order(term, m_, *in_.a.state, t, w);
     for (const Disc& b : balls_)
@@ -125,7 +135,7 @@ class Outside {
   void share_out(const Eigen::MatrixXd& part) const {
     for (Eigen::Index k = 0; k < count_; ++k) {
       const Column& c = columns_[static_cast<std::size_t>(k)];
-      c.of->far.setZero(terms_);
+      c.of->far = rest_.col(k);
       for (Index t = 0; t < static_cast<Index>(part.cols()); ++t)
         if (t < c.first || t >= c.end)
           for (Eigen::Index i = 0; i < terms_; ++i) c.of->far[i] += part(i * count_ + k, t);
@@ -137,6 +147,7 @@ class Outside {
   std::vector<Column> columns_;
   std::vector<Disc> balls_;
   Eigen::Index count_ = 0, terms_ = 0;
+  Eigen::MatrixXd rest_;  // of edge cracks, a row per term and a column per change
 };
 
 }  // namespace

@@ -2,8 +2,8 @@
 // and batches of balls that keep apart. A radius fits if the change reaches at most 0.6 of the clear distance. The ball
 // around it is at least twice the largest change where there is room, and at most 0.88 of the clear distance (0.85 and
 // 1.7 for a ball of one change): the ring between them is meshed in shells. Distances are those to the drawn shape,
-// arcs flattened to 1e-4 of its size, not to a mesh. Rings of functionals count by their outer radius.
-// docs/theory/validation.md, section "One mesh".
+// arcs flattened to 1e-4 of its size, not to a mesh. Rings of functionals count by their outer radius, edge cracks by
+// their length. docs/theory/validation.md, section "One mesh".
 
 #include "topo/validate/sites.hpp"
 
@@ -23,7 +23,7 @@ namespace {
 // Negative outside the body.
 double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& in_body) {
   const double size = extent(shape);
-  double least = infinity;
+  double least = infinity, to_sides = infinity;
   in_body = true;
   // Regions are features, and not outside the body.
   const auto loop = [&](const Loop& l, bool body_inside, bool counts) {
@@ -34,6 +34,7 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
   };
   loop(shape.outline, true, true);
   for (const Loop& hole : shape.holes) loop(hole, false, true);
+  to_sides = least;
   for (const Loop& region : shape.regions) loop(region, true, false);
   for (const Crack& crack : shape.cracks) {
     const std::vector<Vec2> points = crack.arc ? points_on(*crack.arc, 256) : crack.points;
@@ -41,6 +42,8 @@ double clearance(const Shape& shape, const Functional& j, const Vec2& x, bool& i
   }
   for (const Term& term : j.terms)
     if (term.feature_radius > 0) least = std::min(least, (x - term.feature).norm() - term.feature_radius);
+  for (const Term& term : j.terms)
+    if (term.edge_cracks) least = std::min(least, to_sides - term.edge_cracks->length);
   return in_body ? least : -std::abs(least);  // within a ring it is negative already
 }
 
