@@ -76,10 +76,10 @@ void judge(DrawnPlace& place) {
 
 }  // namespace
 
-std::vector<DrawnPlace> draw_cracks(const Model& model, const State& state, const Meshing& body,
-                                    const EdgeCrackRequest& request, const std::vector<EdgeCrack>& cracks,
-                                    const std::vector<double>& lengths, const Adaptation& how) {
-  const NearBoundary near(model, state, request.friction, request.pressurized);
+std::vector<DrawnPlace> draw_cracks(const RecoveredState& state, const Meshing& body, const EdgeCrackRequest& request,
+                                    const std::vector<EdgeCrack>& cracks, const std::vector<double>& lengths,
+                                    const Adaptation& how) {
+  const NearBoundary near(state, request.friction, request.pressurized);
   std::vector<DrawnPlace> drawn;
   for (const EdgeCrack& crack : cracks) {
     const BoundaryPlace& place = near.nearest(crack.at);
@@ -92,8 +92,8 @@ std::vector<DrawnPlace> draw_cracks(const Model& model, const State& state, cons
                                                       .first_order = expected.first_order,
                                                       .valid = expected.masked == Masked::No});
       try {
-        const TipIntensity tip =
-            solve_drawn(body, model, crack, length, request, request.pressurized ? near.pressure_on(place) : 0, how);
+        const TipIntensity tip = solve_drawn(body, state.model, crack, length, request,
+                                             request.pressurized ? near.pressure_on(place) : 0, how);
         row.K_I = tip.K_I;
         row.K_II = tip.K_II;
         row.spread = tip.spread;

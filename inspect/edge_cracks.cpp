@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "inspect/near_boundary.hpp"
 #include "inspect/tolerance.hpp"
+#include "inspect/tops.hpp"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,10 @@ Vec2 EdgeCrack::direction() const {
   return std::cos(angle) * Vec2(inward.y(), -inward.x()) + std::sin(angle) * inward;
 }
 
+bool EdgeCrack::flattest() const {
+  return std::abs(angle - pi / 2) > pi / 2 - Mouths::flattest - 1e-3;
+}
+
 namespace {
 
 void check(const Model& model, const EdgeCrackRequest& r) {
@@ -39,24 +44,24 @@ void check(const Model& model, const EdgeCrackRequest& r) {
     if (!isotropic(m)) throw Error(Fault::Usage, "edge cracks are known in isotropic materials alone");
 }
 
-std::vector<std::size_t> worst_of(const std::vector<EdgeCrack>& all, double apart) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (all[i].masked == Masked::No && all[i].K > 0) order.push_back(i);
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return all[a].K > all[b].K; });
-  // A place beside a worse one is none of its own, nor is one beside that: only tops count.
-  std::vector<std::size_t> worst;
-  std::vector<bool> seen(all.size(), false);
-  constexpr std::size_t most = 10;
-  for (const std::size_t i : order) {
-    if (worst.size() == most) break;
-    const bool top = std::ranges::none_of(order, [&](std::size_t k) {
-      return seen[k] && (all[k].at - all[i].at).norm() < apart && all[k].inward.dot(all[i].inward) > 0;
-    });
-    seen[i] = true;
-    if (top) worst.push_back(i);
+void add_masked_shares(EdgeCrackMap& map) {
+  double all = 0;
+  for (const EdgeCrack& crack : map.places) all += crack.along;
+  if (all == 0) return;
+  for (const EdgeCrack& crack : map.places) {
+    if (crack.masked == Masked::No) continue;
+    map.masked_share += crack.along / all;
+    const auto why = std::ranges::find(reasons_to_mask, crack.masked) - reasons_to_mask.begin();
+    map.masked_by[static_cast<std::size_t>(why)] += crack.along / all;
   }
-  return worst;
+}
+
+std::vector<std::size_t> worst_of(const std::vector<EdgeCrack>& all, double apart) {
+  std::vector<double> K;
+  for (const EdgeCrack& crack : all) K.push_back(crack.masked == Masked::No ? crack.K : 0);
+  return tops_of(K, [&](std::size_t a, std::size_t b) {
+    return (all[a].at - all[b].at).norm() < apart && all[a].inward.dot(all[b].inward) > 0;
+  });
 }
 
 }  // namespace
@@ -64,8 +69,15 @@ std::vector<std::size_t> worst_of(const std::vector<EdgeCrack>& all, double apar
 EdgeCrackMap edge_cracks(const Model& model, const State& state, const EdgeCrackRequest& request,
                          const std::optional<ToleranceRequest>& tolerance) {
   check(model, request);
+  return edge_cracks(*recover_state(model, state), request, tolerance);
+}
+
+EdgeCrackMap edge_cracks(const RecoveredState& state, const EdgeCrackRequest& request,
+                         const std::optional<ToleranceRequest>& tolerance) {
+  const Model& model = state.model;
+  check(model, request);
   if (tolerance) check(*tolerance);
-  const NearBoundary near(model, state, request.friction, request.pressurized);
+  const NearBoundary near(state, request.friction, request.pressurized);
   std::vector<BoundaryPlace> places = near.places();
   if (!request.points.empty()) {
     std::vector<BoundaryPlace> asked;
@@ -82,13 +94,9 @@ EdgeCrackMap edge_cracks(const Model& model, const State& state, const EdgeCrack
     }
   });
   if (tolerance) set_safe_length(places, map);
-  double all = 0, masked = 0, longest = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    all += places[i].length;
-    if (map.places[i].masked != Masked::No) masked += places[i].length;
-    longest = std::max(longest, places[i].length);
-  }
-  map.masked_share = all > 0 ? masked / all : 0;
+  add_masked_shares(map);
+  double longest = 0;
+  for (const BoundaryPlace& place : places) longest = std::max(longest, place.length);
   map.worst = worst_of(map.places, std::max(2 * request.length, 4 * longest));
   return map;
 }

@@ -8,7 +8,8 @@
 #include "base/parallel.hpp"
 #include "geometry/plane.hpp"
 #include "inspect/boundary.hpp"
-#include "solver/recover_stress.hpp"
+#include "inspect/recovered.hpp"
+#include "inspect/tops.hpp"
 #include "solver/stress.hpp"
 
 #include <fmt/format.h>
@@ -40,25 +41,22 @@ WorstCrack worst_crack(const Eigen::Vector3d& s, double friction) {
   return worst;
 }
 
-std::vector<InteriorCrack> interior_cracks(const Model& model, const State& state, double length, double friction) {
+std::vector<InteriorCrack> interior_cracks(const RecoveredState& state, double length, double friction) {
   if (!(length > 0 && std::isfinite(length) && friction >= 0 && std::isfinite(friction)))
     throw Error(Fault::Usage,
                 fmt::format("a crack of length {} with friction {}: a positive length and a friction of 0 "
                             "or more are wanted",
                             length, friction));
-  const Mesh& mesh = model.mesh;
-  const Corners corners = split_for_stress(mesh);
-  const RecoveredStress recovered =
-      recover_stress(model, state, corners, singular_corners(model, state, corners), model.scene.body);
+  const Mesh& mesh = state.model.mesh;
   const std::vector<std::array<Vec2, 2>> sides = features(mesh);
-  const std::vector<Vec2> singular = singular_points(model);
+  const std::vector<Vec2> singular = singular_points(state.model);
   std::vector<InteriorCrack> cracks(mesh.triangles.size());
   const double root = std::sqrt(pi * length / 2);
-  parallel_for(static_cast<Index>(cracks.size()), model.threads, [&](Index first, Index last) {
+  parallel_for(static_cast<Index>(cracks.size()), state.model.threads, [&](Index first, Index last) {
     for (Index t = first; t < last; ++t) {
       InteriorCrack& crack = cracks[static_cast<std::size_t>(t)];
       crack.at = centroid(mesh, t);
-      const WorstCrack worst = worst_crack(recovered.at_centroids.col(t), friction);
+      const WorstCrack worst = worst_crack(state.stress.at_centroids.col(t), friction);
       crack.K_I = root * worst.K_I;
       crack.K_II = root * worst.K_II;
       crack.K = std::hypot(crack.K_I, crack.K_II);
@@ -70,6 +68,16 @@ std::vector<InteriorCrack> interior_cracks(const Model& model, const State& stat
     }
   });
   return cracks;
+}
+
+std::vector<InteriorCrack> worst_inside(const std::vector<InteriorCrack>& cracks, double length) {
+  std::vector<double> K;
+  for (const InteriorCrack& crack : cracks) K.push_back(crack.masked ? 0 : crack.K);
+  std::vector<InteriorCrack> worst;
+  for (const std::size_t i :
+       tops_of(K, [&](std::size_t a, std::size_t b) { return (cracks[a].at - cracks[b].at).norm() < 4 * length; }))
+    worst.push_back(cracks[i]);
+  return worst;
 }
 
 }  // namespace kerf::inspect

@@ -2,7 +2,7 @@
 // The worst crack inside the body: K of a short straight crack of a given length in its worst direction, from the
 // stress alone [theory: M.7; Kachanov 1993].
 
-#include "kerf/state.hpp"
+#include "kerf/edge_cracks.hpp"
 
 #include <vector>
 
@@ -23,6 +23,8 @@ struct InteriorCrack {
   bool masked = false;  // within two lengths of a side, a crack or another material, or five of a singular point
 };
 /// At the centroid of every triangle. Throws as edge_cracks does for length and friction.
-std::vector<InteriorCrack> interior_cracks(const Model& model, const State& state, double length, double friction);
+std::vector<InteriorCrack> interior_cracks(const RecoveredState& state, double length, double friction);
+/// The worst of them, not masked, by falling K: ten at most, none within four lengths of a worse one.
+std::vector<InteriorCrack> worst_inside(const std::vector<InteriorCrack>& cracks, double length);
 
 }  // namespace kerf::inspect

@@ -2,16 +2,16 @@
 // The stress of a state near places of its boundary, and K there for any length.
 
 #include "inspect/boundary.hpp"
+#include "inspect/corner.hpp"
 #include "inspect/expansion.hpp"
-#include "kerf/edge_cracks.hpp"
-#include "solver/recover_stress.hpp"
+#include "inspect/recovered.hpp"
 
 namespace kerf::inspect {
 
 class NearBoundary {
  public:
-  /// `model` and `state` must outlive it.
-  NearBoundary(const Model& model, const State& state, double friction, bool pressurized);
+  /// `state` must outlive it.
+  NearBoundary(const RecoveredState& state, double friction, bool pressurized);
   const std::vector<BoundaryPlace>& places() const {
     return places_;
   }
@@ -22,14 +22,13 @@ class NearBoundary {
   double pressure_on(const BoundaryPlace& place) const;
 
  private:
+  const RecoveredState& state_;
   const Model& model_;
-  const State& state_;
   Mouths mouths_;
   bool pressurized_;
-  Corners corners_;
-  RecoveredStress recovered_;
-  Locator locator_;
   std::vector<BoundaryPlace> places_;
+  std::vector<ReentrantCorner> corners_;
+  EdgeCrack at_corner(const ReentrantCorner& corner, double length) const;
   Vec2 load_on(const BoundaryPlace& place) const;  // traction
   std::optional<LocalStress> stress_near(const BoundaryPlace& place, double length) const;
 };

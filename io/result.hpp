@@ -2,6 +2,7 @@
 // Every number a run produced, and the files that carry them. A section is present exactly when its job ran.
 
 #include "base/whole_file.hpp"
+#include "inspect/interior.hpp"
 #include "kerf/bounds.hpp"
 #include "kerf/edge_cracks.hpp"
 #include "kerf/growth.hpp"
@@ -286,11 +287,13 @@ struct EdgeCrackResult {
   bool pressurized = false;
   int places = 0;
   double masked_share = 0;  // of the length of the boundary
+  std::array<double, inspect::reasons_to_mask.size()> masked_by = {};
   struct Row {
     inspect::EdgeCrack crack;
     inspect::Tolerance tolerance = {};
   };
-  std::vector<Row> worst;  // or the places that were asked for, in their order
+  std::vector<Row> worst;                           // or the places that were asked for, in their order
+  std::vector<inspect::InteriorCrack> inside = {};  // the worst ones
   bool asked = false;
   std::string law = {};                  // of [inspect]; empty: none
   double factor = 1;                     // of [inspect]

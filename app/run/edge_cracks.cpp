@@ -7,6 +7,7 @@
 #include "base/stopwatch.hpp"
 #include "growth/rates.hpp"
 #include "inspect/interior.hpp"
+#include "inspect/recovered.hpp"
 #include "io/files.hpp"
 
 #include <fmt/format.h>
@@ -26,32 +27,18 @@ std::vector<std::vector<double>> rows_of(const std::vector<inspect::InteriorCrac
   return rows;
 }
 
-/// The worst crack inside the body, in words.
-std::string note_on_interior(const std::vector<inspect::InteriorCrack>& cracks, const EdgeCrackResult& edges) {
-  const inspect::InteriorCrack* worst = nullptr;
-  for (const inspect::InteriorCrack& c : cracks)
-    if (!c.masked && (!worst || c.K > worst->K)) worst = &c;
-  if (!worst || worst->K == 0) return {};
-  return fmt::format(
-      "the worst crack of length {:.4g} inside the body, at least two lengths from all sides, has K {:.4g}, at "
-      "({:.6g}, {:.6g}), direction {:.0f} degrees{}; interior_cracks.csv has one per triangle",
-      edges.length, worst->K, worst->at.x(), worst->at.y(), worst->direction * 180 / pi,
-      worst->closed ? ", closed" : "");
-}
-
 }  // namespace
 
-EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& journal,
-                              std::vector<std::string>& notes) {
-  journal.begin("edge cracks");
+EdgeCrackResult inspect_edges(const Case& c, const inspect::RecoveredState& state, Journal& journal) {
   const inspect::EdgeCrackRequest& request = *c.edge_cracks;
-  const inspect::EdgeCrackMap map = inspect::edge_cracks(adapted.model, adapted.state, request, c.tolerance);
+  const inspect::EdgeCrackMap map = inspect::edge_cracks(state, request, c.tolerance);
   EdgeCrackResult r{.length = request.length,
                     .angle = request.angle,
                     .friction = request.friction,
                     .pressurized = request.pressurized,
                     .places = static_cast<int>(map.places.size()),
                     .masked_share = map.masked_share,
+                    .masked_by = map.masked_by,
                     .worst = {},
                     .asked = !request.points.empty()};
   const auto take = [&](std::size_t i) {
@@ -68,8 +55,8 @@ EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& jo
     if (!std::isnan(map.safe_length)) r.safe = PlacedValue{map.places[map.safe_at].at, map.safe_length};
   }
   const std::vector<inspect::InteriorCrack> interior =
-      inspect::interior_cracks(adapted.model, adapted.state, request.length, request.friction);
-  if (std::string note = note_on_interior(interior, r); !note.empty()) notes.push_back(std::move(note));
+      inspect::interior_cracks(state, request.length, request.friction);
+  r.inside = inspect::worst_inside(interior, request.length);
   journal.seconds.map += journal.lap();
   journal.begin("write the edge cracks");
   journal.later([path = journal.file("interior_cracks.csv"), rows = rows_of(interior)] {
@@ -77,14 +64,14 @@ EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& jo
   });
   journal.later([path = journal.file("edge_cracks.csv"), map] { write_edge_cracks_csv(path, map); });
   journal.picture("edge_cracks.png", [&] {
-    return edge_crack_picture(journal.title_of_state(), adapted.model.mesh, map, interior, c.units);
+    return edge_crack_picture(journal.title_of_state(), state.model.mesh, map, interior, c.units);
   });
   journal.seconds.output += journal.lap();
   return r;
 }
 
-void draw_edge_cracks(const Case& c, const Adapted& adapted, const Adaptation& how, Journal& journal,
-                      EdgeCrackResult& result) {
+void draw_edge_cracks(const Case& c, const inspect::RecoveredState& state, const Sizing& sizing, const Adaptation& how,
+                      Journal& journal, EdgeCrackResult& result) {
   journal.begin("draw edge cracks");
   constexpr std::size_t most = 3;
   std::vector<inspect::EdgeCrack> cracks;
@@ -94,10 +81,9 @@ void draw_edge_cracks(const Case& c, const Adapted& adapted, const Adaptation& h
   } else {
     inspect::EdgeCrackRequest at = *c.edge_cracks;
     at.points = c.drawn_at;
-    cracks = inspect::edge_cracks(adapted.model, adapted.state, at).places;
+    cracks = inspect::edge_cracks(state, at).places;
   }
-  result.drawn = inspect::draw_cracks(adapted.model, adapted.state, {c.shape, adapted.sizing}, *c.edge_cracks, cracks,
-                                      c.drawn_lengths, how);
+  result.drawn = inspect::draw_cracks(state, {c.shape, sizing}, *c.edge_cracks, cracks, c.drawn_lengths, how);
   journal.seconds.validate += journal.lap();
   journal.later([path = journal.file("drawn_edge_cracks.csv"), drawn = result.drawn] {
     write_drawn_edge_cracks_csv(path, drawn);

@@ -5,11 +5,10 @@
 
 namespace kerf {
 
-/// `notes`: where the worst crack inside the body goes.
-EdgeCrackResult inspect_edges(const Case& c, const Adapted& adapted, Journal& journal, std::vector<std::string>& notes);
+EdgeCrackResult inspect_edges(const Case& c, const inspect::RecoveredState& state, Journal& journal);
 
 /// The lengths of [validate] at its points, else at the three worst places; adds to the result.
-void draw_edge_cracks(const Case& c, const Adapted& adapted, const Adaptation& how, Journal& journal,
-                      EdgeCrackResult& result);
+void draw_edge_cracks(const Case& c, const inspect::RecoveredState& state, const Sizing& sizing, const Adaptation& how,
+                      Journal& journal, EdgeCrackResult& result);
 
 }  // namespace kerf

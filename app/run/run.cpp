@@ -469,6 +469,16 @@ struct Outcome {
   std::optional<Analysis> analysis = {};
 };
 
+/// The stress is recovered once.
+void inspect_body(const Outcome& out, bool draw, Journal& journal, Result& r) {
+  const Adapted& adapted = out.solved.adapted;
+  journal.begin("edge cracks");
+  const auto state = inspect::recover_state(adapted.model, adapted.state);
+  r.edge_cracks = inspect_edges(out.c, *state, journal);
+  if (draw)
+    draw_edge_cracks(out.c, *state, adapted.sizing, adaptation(out.c, journal.options), journal, *r.edge_cracks);
+}
+
 /// What the case asks for beside an optimization, then that. What cannot be had after the state leaves it, and a result
 /// that says so.
 std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& journal, Result& r) {
@@ -488,9 +498,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     // Nothing is built on a state that is none: `complete` says so.
     const bool sound = !out || certified(out->solved.adapted.state);
     if (out) out->analysis = evaluate_functional(out->c, out->solved, jobs.map && sound, journal, r);
-    if (jobs.edges && sound) r.edge_cracks = inspect_edges(out->c, out->solved.adapted, journal, r.state->notes);
-    if (jobs.draw_edges && sound)
-      draw_edge_cracks(out->c, out->solved.adapted, adaptation(out->c, journal.options), journal, *r.edge_cracks);
+    if (jobs.edges && sound) inspect_body(*out, jobs.draw_edges, journal, r);
     if (jobs.validate && sound) r.validate = validate_expansion(out->c, body_of(out->c, out->solved.adapted), journal);
     if (jobs.grow && sound) r.growth = grow_cracks(out->c, adaptation(out->c, journal.options), journal);
     if (jobs.optimize && sound) {

@@ -5,6 +5,8 @@
 #include "kerf/growth.hpp"
 #include "kerf/validate.hpp"
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +31,8 @@ enum class Masked {
   Near,       // the other side of the body, a crack, another material
   Rough       // the stress is no quadratic polynomial over the length
 };
+inline constexpr std::array<Masked, 5> reasons_to_mask{Masked::Support, Masked::Reentrant, Masked::Convex, Masked::Near,
+                                                       Masked::Rough};
 /// "no", "support", "reentrant corner", "convex corner", "too near", "stress not smooth".
 std::string_view word(Masked why);
 
@@ -43,8 +47,10 @@ struct EdgeCrack {
   double stress = 0, gradient = 0;                // along the boundary, and its change per depth
   double first_order = 0;                         // 1.1215 stress sqrt(pi length), what handbooks say
   double valid_length = 0;                        // up to which K is good to 5 % by the geometry of the boundary
+  double corner = nan;  // exponent lambda of the reentrant corner that it begins at; NaN: a smooth boundary
   Masked masked = Masked::No;
   Vec2 direction() const;  // of the crack, unit
+  bool flattest() const;   // the angle is the flattest that is known: a flatter one may be worse
 };
 
 /// A functional for maps and optimizations: (int K_I^p)^(1/p) along these parts of the boundary, K_I of open cracks of
@@ -76,14 +82,15 @@ struct Tolerance {
   double cycles = nan, interval = nan;
 };
 
-/// All places along the boundary, three on each edge of the mesh, or those that were asked for; masked ones keep what
-/// can be said.
+/// All places along the boundary, three on each edge of the mesh, and reentrant corners between straight sides without
+/// loads, where the crack is on the bisector; or those that were asked for. Masked ones keep what can be said.
 struct EdgeCrackMap {
   double length = 0;
   std::vector<EdgeCrack> places;
-  std::vector<std::size_t> worst;         // largest K among its neighbors, not masked, by falling K; ten at most
-  double masked_share = 0;                // of the length of the boundary
-  std::vector<Tolerance> tolerance = {};  // per place, where it is asked for
+  std::vector<std::size_t> worst;  // largest K among its neighbors, not masked, by falling K; ten at most
+  double masked_share = 0;         // of the length of the boundary
+  std::array<double, reasons_to_mask.size()> masked_by = {};  // why
+  std::vector<Tolerance> tolerance = {};                      // per place, where it is asked for
   /// The shortest critical length, at `safe_at`; NaN: none up to valid_length, or no toughness. `open_share`: of the
   /// length of the boundary, masked or without a critical length up to a valid_length that is shorter than that.
   double safe_length = nan;
@@ -91,9 +98,15 @@ struct EdgeCrackMap {
   double open_share = 0;
 };
 
+/// The stress of a state, recovered once for all that is asked of it. Model and state must outlive it.
+struct RecoveredState;
+std::shared_ptr<const RecoveredState> recover_state(const Model& model, const State& state);
+
 /// Throws Error(Usage) for a length that is not positive, an angle beyond 30 to 150 degrees, friction below 0, an
 /// orthotropic material.
 /// With `tolerance` also critical lengths, lives and intervals; throws Error(Usage) for neither a toughness nor a law.
+EdgeCrackMap edge_cracks(const RecoveredState& state, const EdgeCrackRequest& request,
+                         const std::optional<ToleranceRequest>& tolerance = {});
 EdgeCrackMap edge_cracks(const Model& model, const State& state, const EdgeCrackRequest& request,
                          const std::optional<ToleranceRequest>& tolerance = {});
 
@@ -114,8 +127,8 @@ struct DrawnPlace {
 };
 /// Cracks of these lengths at the place and the angle of each of `cracks`. Holds: every length within valid_length
 /// agrees to 5 % and what the rings differ by. Throws as solve_graded does, but for lengths that cannot be drawn.
-std::vector<DrawnPlace> draw_cracks(const Model& model, const State& state, const Meshing& body,
-                                    const EdgeCrackRequest& request, const std::vector<EdgeCrack>& cracks,
-                                    const std::vector<double>& lengths, const Adaptation& how);
+std::vector<DrawnPlace> draw_cracks(const RecoveredState& state, const Meshing& body, const EdgeCrackRequest& request,
+                                    const std::vector<EdgeCrack>& cracks, const std::vector<double>& lengths,
+                                    const Adaptation& how);
 
 }  // namespace kerf::inspect

@@ -1,6 +1,7 @@
 #pragma once
 // The numbers of edge cracks, as result.json and the CSV files call them; angles, in degrees, stand before them.
 
+#include "inspect/interior.hpp"
 #include "kerf/edge_cracks.hpp"
 
 #include <utility>
@@ -16,7 +17,10 @@ inline constexpr std::pair<const char*, double inspect::EdgeCrack::*> columns_of
     {"stress", &inspect::EdgeCrack::stress},
     {"gradient", &inspect::EdgeCrack::gradient},
     {"first_order", &inspect::EdgeCrack::first_order},
-    {"valid_length", &inspect::EdgeCrack::valid_length}};
+    {"valid_length", &inspect::EdgeCrack::valid_length},
+    {"corner", &inspect::EdgeCrack::corner}};
+inline constexpr std::pair<const char*, double inspect::InteriorCrack::*> columns_of_interior_crack[] = {
+    {"K", &inspect::InteriorCrack::K}, {"K_I", &inspect::InteriorCrack::K_I}, {"K_II", &inspect::InteriorCrack::K_II}};
 inline constexpr std::pair<const char*, double inspect::Tolerance::*> columns_of_tolerance[] = {
     {"critical_length", &inspect::Tolerance::critical_length},
     {"cycles", &inspect::Tolerance::cycles},

@@ -558,6 +558,14 @@ inspect::EdgeCrack read_edge_crack(const Json& from) {
   return crack;
 }
 
+inspect::InteriorCrack read_interior_crack(const Json& from) {
+  inspect::InteriorCrack crack{.at = read_place(from.at("at")),
+                               .direction = read_number(from, "direction_deg") * pi / 180,
+                               .closed = from.at("closed").get<bool>()};
+  for (const auto& [name, member] : columns_of_interior_crack) crack.*member = read_number(from, name);
+  return crack;
+}
+
 EdgeCrackResult read_edge_cracks(const Json& from) {
   using inspect::Tolerated;
   EdgeCrackResult e{.length = read_number(from, "length"),
@@ -582,6 +590,10 @@ EdgeCrackResult read_edge_cracks(const Json& from) {
         by_word(w, "tolerated", {Tolerated::Unknown, Tolerated::Critical, Tolerated::AtLeast, Tolerated::Rests});
     for (const auto& [name, member] : columns_of_tolerance) row.tolerance.*member = read_number(w, name);
   }
+  if (from.contains("masked_by"))
+    for (std::size_t i = 0; i < e.masked_by.size(); ++i)
+      e.masked_by[i] = read_number(from["masked_by"], std::string(word(inspect::reasons_to_mask[i])).c_str());
+  for (const Json& i : list(from, "inside")) e.inside.push_back(read_interior_crack(i));
   for (const Json& d : list(from, "drawn")) {
     inspect::DrawnPlace& place = e.drawn.emplace_back();
     place.crack = read_edge_crack(d.at("crack"));

@@ -298,8 +298,16 @@ Json edge_crack(const inspect::EdgeCrack& crack) {
   return out;
 }
 
+Json interior_crack(const inspect::InteriorCrack& crack) {
+  Json out = {{"at", place_of(crack.at)}, {"direction_deg", number(crack.direction * 180 / pi)}};
+  for (const auto& [name, member] : columns_of_interior_crack) out[name] = number(crack.*member);
+  out["closed"] = crack.closed;
+  return out;
+}
+
 Json edge_cracks_section(const EdgeCrackResult& e) {
-  Json worst = Json::array(), drawn = Json::array();
+  Json worst = Json::array(), drawn = Json::array(), inside = Json::array();
+  for (const inspect::InteriorCrack& crack : e.inside) inside.push_back(interior_crack(crack));
   for (const EdgeCrackResult::Row& row : e.worst) {
     Json out = edge_crack(row.crack);
     if (!e.law.empty()) {
@@ -327,8 +335,11 @@ Json edge_cracks_section(const EdgeCrackResult& e) {
   out["pressurized"] = e.pressurized;
   out["places"] = e.places;
   out["masked_share"] = number(e.masked_share);
+  for (std::size_t i = 0; i < e.masked_by.size(); ++i)
+    out["masked_by"][std::string(word(inspect::reasons_to_mask[i]))] = number(e.masked_by[i]);
   out["asked"] = e.asked;
   out["worst"] = std::move(worst);
+  out["inside"] = std::move(inside);
   if (!e.law.empty()) {
     out["law"] = e.law;
     out["factor"] = number(e.factor);

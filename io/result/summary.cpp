@@ -403,14 +403,16 @@ void add_growth(std::string& out, const GrowthResult& g, const Units& u) {
 }
 
 /// "(1, 0): K 12.3 MPa, 90 degrees, critical at 3.4"
-std::string in_words(const EdgeCrackResult::Row& row, bool tolerance, const Units& u) {
+std::string in_words(const EdgeCrackResult::Row& row, const EdgeCrackResult& e, const Units& u) {
   const inspect::EdgeCrack& crack = row.crack;
   std::string line = fmt::format("({:.6g}, {:.6g}): ", crack.at.x(), crack.at.y());
   if (crack.masked != inspect::Masked::No) return line + fmt::format("masked ({})", word(crack.masked));
-  line += fmt::format("K {:.4g}{}, {:.0f} degrees{}, good up to a length of {:.3g}", crack.K,
-                      with_blank(unit(u, dimension::stress_intensity)), crack.angle * 180 / pi,
-                      crack.closed ? ", closed" : "", crack.valid_length);
-  if (!tolerance) return line;
+  line +=
+      fmt::format("K {:.4g}{}, {:.0f} degrees{}{}{}, good up to a length of {:.3g}", crack.K,
+                  with_blank(unit(u, dimension::stress_intensity)), crack.angle * 180 / pi,
+                  crack.flattest() && !e.angle ? " or flatter" : "", std::isfinite(crack.corner) ? " in a corner" : "",
+                  crack.closed ? ", closed" : "", crack.valid_length);
+  if (e.law.empty()) return line;
   const inspect::Tolerance& t = row.tolerance;
   if (std::isfinite(t.critical_length)) line += fmt::format("; critical at {:.4g}", t.critical_length);
   if (t.how == inspect::Tolerated::Rests) return line + "; it does not grow";
@@ -427,7 +429,15 @@ void add_edge_cracks(std::string& out, const EdgeCrackResult& e, const Units& u)
                            e.angle ? fmt::format(", at {:g} degrees", *e.angle * 180 / pi) : ", in the worst direction",
                            100 * e.masked_share));
   if (e.worst.empty()) add_sentence(out, "", "no place that is not masked has K > 0");
-  for (const EdgeCrackResult::Row& row : e.worst) add_sentence(out, "", in_words(row, !e.law.empty(), u));
+  for (const EdgeCrackResult::Row& row : e.worst) add_sentence(out, "", in_words(row, e, u));
+  if (!e.inside.empty()) {
+    const inspect::InteriorCrack& worst = e.inside.front();
+    add_sentence(out, "",
+                 fmt::format("inside the body, two lengths from all sides: K {:.4g}{} at ({:.6g}, {:.6g}), direction "
+                             "{:.0f} degrees{}",
+                             worst.K, with_blank(unit(u, dimension::stress_intensity)), worst.at.x(), worst.at.y(),
+                             worst.direction * 180 / pi, worst.closed ? ", closed" : ""));
+  }
   if (!e.law.empty())
     add_sentence(out, "",
                  e.safe

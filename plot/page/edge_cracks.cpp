@@ -35,7 +35,7 @@ std::string worst_table(const EdgeCrackResult& e, const Units& units) {
              pretty(crack.K),
              pretty(crack.K_I),
              pretty(crack.K_II),
-             fmt::format("{:.0f}", crack.angle * 180 / pi),
+             fmt::format("{:.0f}{}", crack.angle * 180 / pi, crack.flattest() && !e.angle ? " or flatter" : ""),
              masked         ? fmt::format("masked: {}", word(crack.masked))
              : crack.closed ? "closed"
                             : "open",
@@ -87,6 +87,13 @@ std::string edge_cracks_section(const EdgeCrackResult& e, const Units& units) {
                         "nothing is known. Law: {}; intervals are cycles over {:g}.</p>\n",
                         100 * e.open_share, escape_html(e.law), e.factor);
   if (!e.worst.empty()) out += worst_table(e, units);
+  if (!e.inside.empty()) {
+    const inspect::InteriorCrack& worst = e.inside.front();
+    out += fmt::format(
+        "<p>Inside the body, two lengths from all sides, the worst crack of that length has K {} at {}, direction "
+        "{:.0f} degrees{}.</p>\n",
+        pretty(worst.K), at_place(worst.at), worst.direction * 180 / pi, worst.closed ? ", closed" : "");
+  }
   if (!e.drawn.empty()) {
     out += "<h3>Cracks that were drawn</h3>\n" + drawn_table(e);
     for (const inspect::DrawnPlace& place : e.drawn)

@@ -150,7 +150,7 @@ TEST(EdgeCracks, AtTheSideOfAStrip) {
 std::vector<DrawnPlace> draw(const Solved& s, const std::vector<Vec2>& at, const std::vector<double>& lengths) {
   const EdgeCrackRequest request{.length = lengths[0], .points = at};
   const EdgeCrackMap map = edge_cracks(s.model, s.state, request);
-  return draw_cracks(s.model, s.state, {s.body.shape, s.body.sizing}, request, map.places, lengths, {});
+  return draw_cracks(*recover_state(s.model, s.state), {s.body.shape, s.body.sizing}, request, map.places, lengths, {});
 }
 
 void expect_to_hold(const std::vector<DrawnPlace>& drawn, double error) {
@@ -174,26 +174,65 @@ TEST(EdgeCracks, AtTheRimOfARotatingDisc) {
   expect_to_hold(draw(s, {{1, 0}}, {0.1, 0.05}), 0.03);
 }
 
-// A quarter of a ring held at one end and pushed at the other: the hollow and the convex side.
-TEST(EdgeCracks, OfACurvedBeam) {
+/// A quarter of a ring of inner radius 1, held at one end and pushed at the other.
+Body curved_beam(double thickness) {
   Body b;
   const Vec2 o(0, 0);
+  const double R = 1 + thickness;
   b.shape.outline.name = "outline";
-  b.shape.outline.sides = {{{2, 0}, 0, Arc{o, 2 * Mat2::Identity(), 0, pi / 2}},
-                           {{0, 2}, 1, {}},
+  b.shape.outline.sides = {{{R, 0}, 0, Arc{o, R * Mat2::Identity(), 0, pi / 2}},
+                           {{0, R}, 1, {}},
                            {{0, 1}, 0, Arc{o, Mat2::Identity(), pi / 2, 0}},
                            {{1, 0}, 2, {}}};
   b.shape.labels = {"free", "held", "pushed"};
   b.scene.material = plane_stress(100, 0.3);
   b.scene.supports = {{1, false, true, true, [](const Vec2&, const Vec2&) -> Vec2 { return Vec2::Zero(); }}};
   b.scene.tractions = {{2, [](const Vec2&, const Vec2&) -> Vec2 { return {1, 0}; }}};
-  b.sizing = {.size = 0.15, .curved = true};
-  const Solved s = solved(std::move(b), bdms(3));
+  b.sizing = {.size = 0.15 * std::min(thickness, 1.), .curved = true};
+  return b;
+}
+
+// The hollow side, up to the end of valid_length.
+TEST(EdgeCracks, OfCurvedBeams) {
   const double r = std::sqrt(0.5);
-  const EdgeCrackMap map = edge_cracks(s.model, s.state, {.length = 0.05, .points = {{r, r}, {2 * r, 2 * r}}});
-  EXPECT_NEAR(map.places[0].curvature, -1, 1e-6);
-  EXPECT_NEAR(map.places[1].curvature, 0.5, 1e-6);
-  expect_to_hold(draw(s, {{r, r}, {2 * r, 2 * r}}, {0.05, 0.025}), 0.05);
+  for (const double thickness : {0.5, 1., 2.}) {
+    const Solved s = solved(curved_beam(thickness), bdms(3));
+    const EdgeCrackMap map = edge_cracks(s.model, s.state, {.length = 0.01, .points = {{r, r}}});
+    EXPECT_NEAR(map.places[0].curvature, -1, 1e-6);
+    const double longest = map.places[0].valid_length;
+    expect_to_hold(draw(s, {{r, r}}, {longest * 0.999, longest / 2}), 0.05);
+  }
+}
+
+/// A plate in tension with a notch of depth 2 at its side, whose sides stand open by an angle.
+Body notched(double opening) {
+  Body b = plate(20, 24, stress(0, 1));
+  const double h = 2 * std::tan(opening / 2);
+  b.shape.outline = polygon("outline", {{-10, -12}, {10, -12}, {10, 12}, {-10, 12}, {-10, h}, {-8, 0}, {-10, -h}}, 0);
+  for (const std::size_t notch : {3u, 4u, 5u, 6u}) b.shape.outline.sides[notch].label = 1;
+  b.shape.labels.push_back("left");
+  b.sizing.size = 2;
+  return b;
+}
+
+// The crack on the bisector of a reentrant corner against drawn ones.
+TEST(EdgeCracks, AtANotch) {
+  for (const double opening : {30., 90., 120.}) {
+    const Solved s = solved(notched(opening * degree), bdms(3));
+    const EdgeCrackRequest request{.length = 0.08, .points = {{-8, 0}}};
+    const EdgeCrackMap map = edge_cracks(s.model, s.state, request);
+    const EdgeCrack& crack = map.places[0];
+    EXPECT_EQ(crack.masked, Masked::No);
+    EXPECT_NEAR(crack.direction().x(), 1, 1e-9);
+    EXPECT_LT(std::abs(crack.K_II), 0.01 * crack.K_I);
+    const std::vector<DrawnPlace> drawn = draw_cracks(*recover_state(s.model, s.state), {s.body.shape, s.body.sizing},
+                                                      request, map.places, {0.08, 0.04}, {});
+    for (const DrawnEdge& row : drawn[0].rows) {
+      EXPECT_TRUE(row.valid);
+      EXPECT_LT(row.error, 0.03) << opening << ' ' << row.length << ' ' << row.K_I << ' ' << row.predicted_I << ' '
+                                 << drawn[0].reason;
+    }
+  }
 }
 
 TEST(EdgeCracks, MasksByName) {
@@ -230,8 +269,8 @@ TEST(EdgeCracks, DrawnCracksHold) {
   const double r = std::sqrt(0.5);
   const EdgeCrackRequest request{.length = 0.05, .points = {{0, 1}, {r, r}, {1, 0}}};
   const EdgeCrackMap map = edge_cracks(s.model, s.state, request);
-  const std::vector<DrawnPlace> drawn =
-      draw_cracks(s.model, s.state, {s.body.shape, s.body.sizing}, request, map.places, {0.1, 0.05, 0.02}, {});
+  const std::vector<DrawnPlace> drawn = draw_cracks(*recover_state(s.model, s.state), {s.body.shape, s.body.sizing},
+                                                    request, map.places, {0.1, 0.05, 0.02}, {});
   ASSERT_EQ(drawn.size(), 3u);
   for (const DrawnPlace& place : drawn) {
     EXPECT_EQ(place.verdict, Verdict::Holds) << place.reason;
