@@ -68,6 +68,7 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
                                "growth.pvd",
                                "edge_cracks.csv",
                                "edge_cracks.png",
+                               "inspection.html",
                                "drawn_edge_cracks.csv",
                                "interior_cracks.csv",
                                "beta.csv"};

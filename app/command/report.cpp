@@ -5,6 +5,7 @@
 #include "io/files.hpp"
 #include "io/read_result.hpp"
 #include "kerf/types.hpp"
+#include "plot/inspection.hpp"
 #include "plot/page.hpp"
 
 #include <fmt/core.h>
@@ -28,6 +29,10 @@ void write_report(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / "report.bin")) data.arrays = read_arrays(folder / "report.bin");
   if (std::filesystem::exists(folder / "case.toml")) data.case_text = read_file(folder / "case.toml");
   write_page(folder / "report.html", result, data);
+  if (!result.edge_cracks) return;
+  const std::filesystem::path picture = folder / "edge_cracks.png";
+  write_inspection(folder / "inspection.html", result, data.case_text,
+                   std::filesystem::exists(picture) ? read_file(picture) : std::string());
 }
 
 }  // namespace kerf

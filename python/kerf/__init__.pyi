@@ -59,6 +59,15 @@ class Case:
         force: bool = ...,
         on_phase: Callable[[str], object] | None = ...,
     ) -> Result: ...
+    def inspect(
+        self,
+        length: float | None = ...,
+        folder: str | PathLike[str] | None = ...,
+        *,
+        threads: int | None = ...,
+        force: bool = ...,
+        on_phase: Callable[[str], object] | None = ...,
+    ) -> Result: ...
     def validate(
         self,
         folder: str | PathLike[str] | None = ...,

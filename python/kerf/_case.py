@@ -70,6 +70,15 @@ class Case:
         """The state and the map of the topological derivative."""
         return self._run("map", folder, **how)
 
+    def inspect(self, length=None, folder=None, **how):
+        """The state and the worst cracks: ``result["edge_cracks"]`` has ``worst``, along the boundary, and ``inside``.
+        With ``length`` cracks of that length; without it those of [map], whose perturbation is "edge_crack"."""
+        case = self
+        if length is not None:
+            case = Case._overridden(self._origin, [*self._overrides, 'map.perturbation="edge_crack"',
+                                                   f"map.length={_kerf.toml(length)}"])
+        return case._run("map", folder, **how)
+
     def validate(self, folder=None, **how):
         """The expansion against computations with changes of finite size."""
         return self._run("validate", folder, **how)

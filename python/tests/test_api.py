@@ -1,6 +1,7 @@
 """Cases, results, arrays, functions of Python, errors, interruptions."""
 
 import gc
+import math
 import os
 import pathlib
 import signal
@@ -243,6 +244,29 @@ class Growth(unittest.TestCase):
 
         with self.assertRaises(StopIteration):
             case.grow(on_step=enough)
+
+
+class Inspections(unittest.TestCase):
+    def test_worst_cracks(self):
+        """Of a strip in tension: 1.1215 stress sqrt(pi a) at its sides, stress sqrt(pi a/2) inside."""
+        strip = {
+            "domain": {"outline": [[0, 0], [4, 0], [4, 8], [0, 8]], "sides": ["bottom", "right", "top", "left"]},
+            "material": {"young": 100.0, "poisson": 0.3},
+            "boundary": [{"on": "top", "traction": [0, 1]}, {"on": "bottom", "traction": [0, -1]}],
+            "mesh": {"size": 0.5},
+        }
+        normal = {"map.perturbation": "edge_crack", "map.length": 0.2, "map.angle": 90}
+        cracks = kerf.Case(strip, set=normal).inspect(0.1)["edge_cracks"]
+        self.assertEqual(cracks["length"], 0.1)
+        self.assertAlmostEqual(cracks["worst"][0]["K"], 1.1215 * math.sqrt(math.pi * 0.1), delta=1e-3)
+        self.assertAlmostEqual(cracks["inside"][0]["K"], math.sqrt(math.pi * 0.05), delta=1e-4)
+        self.assertEqual(cracks["inside"][0]["K_II"], 0)
+        law = {"inspect": {"law": {"kind": "paris", "C": 1e-6, "m": 3, "K_c": 5.0}},
+               "map": {"perturbation": "edge_crack", "length": 0.1}}
+        worst = kerf.Case({**strip, **law}).inspect()["edge_cracks"]["worst"][0]
+        self.assertGreater(worst["cycles"], 0)
+        with self.assertRaises(kerf.CaseError):
+            kerf.Case(strip).inspect(-1)
 
 
 class Interruptions(unittest.TestCase):

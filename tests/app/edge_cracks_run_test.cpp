@@ -87,6 +87,43 @@ TEST(EdgeCracksRun, FilesAndResultsThereAndBack) {
   EXPECT_TRUE(std::filesystem::exists(out / "edge_cracks.png"));
   EXPECT_NE(bytes(out / "report.html").find("<h2>Edge cracks</h2>"), std::string::npos);
   EXPECT_NE(summary(r).find("edge cracks of length 0.05"), std::string::npos) << summary(r);
+  // Inside the body K is that of half the length.
+  ASSERT_FALSE(e.inside.empty());
+  EXPECT_NEAR(e.inside[0].K, std::sqrt(pi * 0.025) * 2.5, std::sqrt(pi * 0.025));
+  ASSERT_EQ(again.edge_cracks->inside.size(), e.inside.size());
+  EXPECT_EQ(again.edge_cracks->inside[0].K, e.inside[0].K);
+  EXPECT_EQ(again.edge_cracks->masked_by, e.masked_by);
+  const std::string page = bytes(out / "inspection.html");
+  for (const char* words : {"damage tolerance", "kind = &quot;paris&quot;", "Not covered", "data:image/png;base64,",
+                            "inspect every", "support "})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  EXPECT_EQ(page.find("<script"), std::string::npos);
+}
+
+// The rim of a hole that an optimization draws has a label for cracks on it.
+TEST(EdgeCracksRun, MakesAHoleBetterForTheWorstCrack) {
+  const TemporaryFolder folder;
+  const std::string body = plate.substr(0, plate.find("[[hole]]")) + plate.substr(plate.find("[material]"));
+  const Result r = run(read_case(folder.write("a.toml", body + R"([functional]
+kind = "worst_edge_crack"
+on = "hole:h"
+length = 0.1
+p = 8
+[optimize]
+method = "mma"
+volume = { at_most = 0.99 }
+max_iterations = 4
+[[optimize.hole]]
+name = "h"
+ellipse = { center = [0, 0], semi_axes = [[0.7, 2], [0.7, 2]] }
+start = { semi_axes = [1.3, 1.3] }
+)")),
+                       Job::Optimize, {.folder = folder.path / "out", .threads = 1});
+  ASSERT_TRUE(r.optimize);
+  ASSERT_TRUE(r.functional);
+  EXPECT_EQ(r.functional->kind, "worst_edge_crack");
+  // An ellipse along the pull bears it better than a circle.
+  EXPECT_LT(r.functional->value, 0.9 * 3 * 1.12 * std::sqrt(pi * 0.1));
 }
 
 TEST(EdgeCracksRun, PointsAndAnglesAreThoseAskedFor) {
