@@ -356,9 +356,12 @@ void write_steps_csv(const std::filesystem::path& path, const std::vector<StepRe
 /// and by how much and which way it grows.
 void write_growth_csv(const std::filesystem::path& path, const GrowthResult& growth);
 
-/// beta.csv, what programs of lives read: per tip and step its length a (half of the crack where both ends grow), beta
-/// = K_max/(stress sqrt(pi a)), and K_max.
-void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, double stress);
+/// Names of all tips, "c:end".
+std::vector<std::string> tips_of(const GrowthResult& growth);
+/// beta_CRACK_TIP.csv, what programs of lives read: per step the length a of a tip (half of the crack where both ends
+/// grow), beta = K_max/(stress sqrt(pi a)), and K_max.
+void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, const std::string& tip,
+                    double stress);
 /// edge_cracks.csv: a row per place of the boundary, with its tolerance where that was asked for.
 void write_edge_cracks_csv(const std::filesystem::path& path, const inspect::EdgeCrackMap& map);
 /// drawn_edge_cracks.csv: a row per place and length that was drawn.

@@ -31,7 +31,7 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const std::string name = entry.path().filename().string(), type = entry.path().extension().string();
     const bool numbered = (name.starts_with("crack_") && (type == ".csv" || type == ".vtp")) ||
-                          (name.starts_with("probe_") && type == ".csv") ||
+                          ((name.starts_with("probe_") || name.starts_with("beta_")) && type == ".csv") ||
                           ((name.starts_with("state_") || name.starts_with("map_")) && type == ".vtu");
     const bool resumed = ((name.starts_with("design_") || name.starts_with("growth_")) && type == ".vtu") ||
                          name.starts_with("checkpoint.") || name == "optimize.pvd" || name == "history.csv";
@@ -68,10 +68,9 @@ std::vector<fs::path> results_in(const fs::path& folder, Leaving which) {
                                "growth.pvd",
                                "edge_cracks.csv",
                                "edge_cracks.png",
-                               "inspection.html",
+                               "inspect.html",
                                "drawn_edge_cracks.csv",
-                               "interior_cracks.csv",
-                               "beta.csv"};
+                               "interior_cracks.csv"};
     if ((resumed && which == Leaving::Everything) || numbered || std::ranges::find(known, name) != known.end())
       found.push_back(entry.path());
   }

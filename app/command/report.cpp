@@ -31,7 +31,7 @@ void write_report(const std::filesystem::path& folder) {
   write_page(folder / "report.html", result, data);
   if (!result.edge_cracks) return;
   const std::filesystem::path picture = folder / "edge_cracks.png";
-  write_inspection(folder / "inspection.html", result, data.case_text,
+  write_inspection(folder / "inspect.html", result, data.case_text,
                    std::filesystem::exists(picture) ? read_file(picture) : std::string());
 }
 

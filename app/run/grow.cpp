@@ -117,7 +117,11 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   journal.begin("write the grown body");
   constexpr std::size_t most_shots = 64;
   if (journal.html) add_shots(journal.arrays, "growth", pick(bodies, most_shots));
-  write_beta_csv(journal.file("beta.csv"), result, request.stress);
+  for (const std::string& tip : tips_of(result)) {
+    std::string name = tip;
+    std::ranges::replace(name, ':', '_');
+    write_beta_csv(journal.file(fmt::format("beta_{}.csv", name)), result, tip, request.stress);
+  }
   if (journal.vtk) {
     std::vector<std::pair<int, std::string>> files;
     for (const growth::GrowthStep& s : result.steps) files.emplace_back(s.number, file_of(s.number));

@@ -829,7 +829,8 @@ constexpr Key rows[] = {
     {"grow.stress",
      Number,
      {.range = above_zero},
-     "Stress that beta in beta.csv refers to: beta = K/(stress sqrt(pi a)), a the crack's length, half of it where "
+     "Stress that beta in beta_CRACK_TIP.csv refers to: beta = K/(stress sqrt(pi a)), a the crack's length, half of it "
+     "where "
      "both "
      "ends grow.",
      "100",

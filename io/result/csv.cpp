@@ -113,29 +113,32 @@ void write_bounds_csv(const std::filesystem::path& path, const BoundsResult& bou
   write_file(path, {out.data(), out.size()});
 }
 
-void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, double stress) {
-  fmt::memory_buffer out;
-  fmt::format_to(std::back_inserter(out), "tip,a,beta,K_max\n");
+std::vector<std::string> tips_of(const GrowthResult& growth) {
   std::vector<std::string> names;
   for (const growth::GrowthStep& s : growth.steps)
     for (const growth::GrownTip& t : s.tips)
       if (std::ranges::find(names, t.name) == names.end()) names.push_back(t.name);
-  const auto crack_of = [](const std::string& tip) { return tip.substr(0, tip.rfind(':')); };
-  for (const std::string& name : names) {
-    const auto ends =
-        std::ranges::count_if(names, [&](const std::string& other) { return crack_of(other) == crack_of(name); });
-    for (const growth::GrowthStep& s : growth.steps)
-      for (const growth::GrownTip& t : s.tips) {
-        if (t.name != name) continue;
-        const double a = t.a / static_cast<double>(ends);
-        fmt::format_to(std::back_inserter(out), "{}", csv_text(name));
-        for (const double value : {a, t.K_max / (stress * std::sqrt(pi * a)), t.K_max}) {
-          out.push_back(',');
-          append_cell(out, value);
-        }
-        out.push_back('\n');
+  return names;
+}
+
+void write_beta_csv(const std::filesystem::path& path, const GrowthResult& growth, const std::string& tip,
+                    double stress) {
+  fmt::memory_buffer out;
+  fmt::format_to(std::back_inserter(out), "a,beta,K_max\n");
+  const auto crack_of = [](const std::string& name) { return name.substr(0, name.rfind(':')); };
+  const auto ends = std::ranges::count_if(tips_of(growth),
+                                          [&](const std::string& other) { return crack_of(other) == crack_of(tip); });
+  for (const growth::GrowthStep& s : growth.steps)
+    for (const growth::GrownTip& t : s.tips) {
+      if (t.name != tip) continue;
+      const double a = t.a / static_cast<double>(ends);
+      append_cell(out, a);
+      for (const double value : {t.K_max / (stress * std::sqrt(pi * a)), t.K_max}) {
+        out.push_back(',');
+        append_cell(out, value);
       }
-  }
+      out.push_back('\n');
+    }
   write_file(path, {out.data(), out.size()});
 }
 

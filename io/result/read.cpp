@@ -647,7 +647,7 @@ Result from_json(const Json& from) {
   for (const Json& c : list(from, "cracks")) r.cracks.push_back(crack(c));
   for (const Json& s : list(from, "steps")) r.steps.push_back(step(s));
   if (from.contains("bounds")) r.bounds = bounds(from["bounds"]);
-  if (from.contains("growth")) r.growth = read_growth(from["growth"]);
+  if (from.contains("grow")) r.growth = read_growth(from["grow"]);
   if (from.contains("functional")) r.functional = functional(from["functional"]);
   if (from.contains("map")) r.map = map(from["map"]);
   if (from.contains("edge_cracks")) r.edge_cracks = read_edge_cracks(from["edge_cracks"]);

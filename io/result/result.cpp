@@ -256,6 +256,16 @@ Json intervals(const Of& of, const auto& columns) {
   return out;
 }
 
+/// The interval of the life: that which bounds give, or that of the last halving of the step; null where neither is
+/// there, and without cycles.
+Json life_of(const GrowthResult& growth, double cycles) {
+  if (growth.law == "quasi-static") return nullptr;
+  if (growth.bounds && std::isfinite(growth.bounds->cycles.low))
+    return Json::array({number(growth.bounds->cycles.low), number(growth.bounds->cycles.high)});
+  if (!std::isfinite(growth.cycles_error)) return nullptr;
+  return Json::array({number(cycles - growth.cycles_error), number(cycles + growth.cycles_error)});
+}
+
 Json growth_section(const GrowthResult& growth) {
   Json steps = Json::array();
   for (const growth::GrowthStep& s : growth.steps) {
@@ -283,6 +293,18 @@ Json growth_section(const GrowthResult& growth) {
               {"cycles_error", number(growth.cycles_error)},
               {"energy_balance", number(growth.energy_balance)},
               {"steps", std::move(steps)}};
+  if (!growth.steps.empty()) {
+    const growth::GrowthStep& last = growth.steps.back();
+    Json tips = Json::array();
+    for (const growth::GrownTip& t : last.tips) {
+      Json tip = {{"tip", t.name}, {"at", place_of(t.at)}};
+      for (const auto& [name, member] : columns_of_tip) tip[name] = number(t.*member);
+      tips.push_back(std::move(tip));
+    }
+    out["cycles"] = number(last.cycles);
+    out["life"] = life_of(growth, last.cycles);
+    out["tips"] = std::move(tips);
+  }
   if (growth.unstable_from) out["unstable_from"] = *growth.unstable_from;
   if (growth.snaps_back_from) out["snaps_back_from"] = *growth.snaps_back_from;
   if (growth.bounds) out["bounds"] = intervals(*growth.bounds, intervals_of_path);
@@ -302,6 +324,18 @@ Json interior_crack(const inspect::InteriorCrack& crack) {
   Json out = {{"at", place_of(crack.at)}, {"direction_deg", number(crack.direction * 180 / pi)}};
   for (const auto& [name, member] : columns_of_interior_crack) out[name] = number(crack.*member);
   out["closed"] = crack.closed;
+  return out;
+}
+
+/// The worst places in short.
+Json inspect_section(const EdgeCrackResult& e) {
+  Json out = Json::array();
+  for (const EdgeCrackResult::Row& row : e.worst)
+    out.push_back({{"at", place_of(row.crack.at)},
+                   {"K", number(row.crack.K)},
+                   {"angle", number(row.crack.angle * 180 / pi)},
+                   {"critical_length", e.law.empty() ? Json(nullptr) : number(row.tolerance.critical_length)},
+                   {"cycles", e.law.empty() ? Json(nullptr) : number(row.tolerance.cycles)}});
   return out;
 }
 
@@ -687,10 +721,13 @@ void write_json(const std::filesystem::path& path, const Result& result, Flush f
   for (const CrackResult& crack : result.cracks) out["cracks"].push_back(crack_section(crack));
   for (const StepResult& step : result.steps) out["steps"].push_back(step_section(step));
   if (result.bounds) out["bounds"] = bounds_section(*result.bounds);
-  if (result.growth) out["growth"] = growth_section(*result.growth);
+  if (result.growth) out["grow"] = growth_section(*result.growth);
   if (result.functional) out["functional"] = functional_section(*result.functional);
   if (result.map) out["map"] = map_section(*result.map);
-  if (result.edge_cracks) out["edge_cracks"] = edge_cracks_section(*result.edge_cracks);
+  if (result.edge_cracks) {
+    out["edge_cracks"] = edge_cracks_section(*result.edge_cracks);
+    out["inspect"] = inspect_section(*result.edge_cracks);
+  }
   if (result.validate) out["validate"] = validate_section(*result.validate);
   if (result.optimize) out["optimize"] = optimize_section(*result.optimize, result.optimize_names);
   if (result.fit) out["optimize"]["least_squares"] = fit_section(*result.fit, result.optimize_names);

@@ -236,7 +236,7 @@ class Growth(unittest.TestCase):
         seen = []
         result = case.grow(on_step=seen.append)
         self.assertEqual([s["step"] for s in seen], [0, 1, 2])
-        self.assertEqual(seen[-1]["cycles"], result["growth"]["steps"][-1]["cycles"])
+        self.assertEqual(seen[-1]["cycles"], result["grow"]["steps"][-1]["cycles"])
         self.assertEqual([t["tip"] for t in seen[0]["tips"]], ["c:end", "c:start"])
 
         def enough(step):

@@ -93,7 +93,7 @@ TEST(EdgeCracksRun, FilesAndResultsThereAndBack) {
   ASSERT_EQ(again.edge_cracks->inside.size(), e.inside.size());
   EXPECT_EQ(again.edge_cracks->inside[0].K, e.inside[0].K);
   EXPECT_EQ(again.edge_cracks->masked_by, e.masked_by);
-  const std::string page = bytes(out / "inspection.html");
+  const std::string page = bytes(out / "inspect.html");
   for (const char* words : {"damage tolerance", "kind = &quot;paris&quot;", "Not covered", "data:image/png;base64,",
                             "inspect every", "support "})
     EXPECT_NE(page.find(words), std::string::npos) << words;
