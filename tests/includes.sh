@@ -21,7 +21,7 @@ declare -A home=(
   [types]=base [stop]=base [shape]=geometry [mesh]=geometry [mesher]=geometry [folded]=geometry
   [material]=solver [field]=solver [scene]=solver [element]=solver [model]=solver [state]=solver [adjoint]=solver [recover]=solver
   [fracture]=solver [bounds]=solver [adaptive]=solver [growth]=growth [edge_cracks]=inspect
-  [functional]=topo [perturbation]=topo [analysis]=topo [map]=topo [derivative_bounds]=topo [second_order]=topo [validate]=topo [shape_gradient]=topo [units]=topo
+  [functional]=topo [max_stress]=topo [perturbation]=topo [analysis]=topo [map]=topo [derivative_bounds]=topo [second_order]=topo [validate]=topo [shape_gradient]=topo [units]=topo
   [design]=optimize [optimize]=optimize [inverse]=optimize
   [case_file]=io [mesh_file]=io [vtk]=io [kerf]=io
 )

@@ -6,6 +6,7 @@
 #include "kerf/scene.hpp"
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -47,6 +48,7 @@ struct EdgeCrackNorm {
   std::vector<Index> labels = {};
   std::array<double, 3> depth = {}, weight = {}, bend = {};  // depths over the length
 };
+struct LargestStress;  // kerf/max_stress.hpp
 
 /// One term. Parts that are empty do not occur.
 struct Term {
@@ -64,7 +66,8 @@ struct Term {
 
   // Integral over the body.
   std::function<Density(const FieldPoint&)> density = {};
-  double stress_power = 0;  // of stress_power and stress_pnorm: not integrable at crack tips from 4 on
+  double stress_power = 0;  // of stress_power, stress_pnorm and max_stress: not integrable at crack tips from 4 on
+  std::shared_ptr<const LargestStress> largest = {};  // its value is a largest stress, not the integral to its power
   bool uses_stress = false, uses_displacement = false, uses_rotation = false;
   bool uses_place = true;  // depends on x by itself
   /// Weights and targets of the density, and of what is integrated over boundary or crack: where what is known of them

@@ -11,6 +11,7 @@
 #include "kerf/functional.hpp"
 #include "kerf/map.hpp"
 #include "kerf/material.hpp"
+#include "kerf/max_stress.hpp"
 #include "kerf/mesh.hpp"
 #include "kerf/mesh_file.hpp"
 #include "kerf/mesher.hpp"

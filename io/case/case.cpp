@@ -293,6 +293,7 @@ Case read_case(Node root, const Origin& origin, std::span<const std::string> ove
   read_solver(document, c);
   read_synthetic(document, c);
   read_optimize(document, origin.folder, frozen, definitions, c);
+  leave_out_zones(frozen, c);
   read_curved(document, c);
   c.sizing.long_ligaments = c.element.order >= 2;
   c.sizing.images = smooth_images(all_materials(c.scene));

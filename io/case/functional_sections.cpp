@@ -12,6 +12,7 @@
 #include "io/case/tip.hpp"
 #include "io/words.hpp"
 #include "kerf/edge_cracks.hpp"
+#include "optimize/stress_zones.hpp"
 
 #include <fmt/format.h>
 
@@ -197,6 +198,20 @@ struct Reader {
     return energy_release_rate(tip.at, tip.direction, ring, c.scene.body);
   }
 
+  /// Its zones come with `leave_out_zones`, when all loads are known.
+  Term largest_stress_term(const Value& table) const {
+    LargestStress what{.plane_strain = c.plane_strain};
+    take(table, "of", what.of);
+    if (const auto except = find(table, "except")) {
+      if (except->node->kind != Node::Kind::Table)
+        fail(except->node->position, except->name + " must be { ends = 0.01, supports = 0.014 }");
+      allow_only(*except);
+      if (const auto ends = find(*except, "ends")) what.ends = in_range(*ends);
+      if (const auto supports = find(*except, "supports")) what.supports = in_range(*supports);
+    }
+    return max_stress(what);
+  }
+
   std::vector<Term> terms(const Value& table, const std::string& kind) const {
     std::vector<Term> made = bare_terms(table, kind);
     for (Term& term : made)
@@ -221,6 +236,7 @@ struct Reader {
                                      : stress_pnorm(p, weight(table), c.plane_strain)};
     }
     if (kind == "worst_edge_crack") return {edge_crack_term(table)};
+    if (kind == "max_stress") return {largest_stress_term(table)};
     if (kind == "misfit") return {misfit_term(table)};
     if (kind == "energy_release_rate") return {tip_term(table)};
     if (kind == "crack_opening") return {crack_opening(crack(table), weight(table))};
@@ -307,6 +323,19 @@ void read_functional(const Value& document, const std::filesystem::path& folder,
   const auto table = find_table(document, "functional");
   c.functional =
       table ? read_functional_table(*table, folder, definitions, c, &c.file_notes) : Functional{.terms = {energy()}};
+}
+
+void leave_out_zones(const std::vector<Loop>& frozen, Case& c) {
+  if (find_problem(c.shape)) return;  // which is what the user will hear of
+  std::vector<Index> loaded;
+  for (const Traction& t : c.scene.tractions) loaded.push_back(t.label);
+  if (c.optimize)
+    for (const LoadCase& load : c.optimize->load_cases)
+      for (const Traction& t : load.tractions) loaded.push_back(t.label);
+  const StressedBody body{.shape = c.shape, .supports = c.scene.supports, .loaded = loaded, .frozen = frozen};
+  c.functional = with_zones(std::move(c.functional), body);
+  if (c.optimize)
+    for (FunctionalBound& bound : c.optimize->bounds) bound.functional = with_zones(std::move(bound.functional), body);
 }
 
 namespace {

@@ -8,6 +8,7 @@
 #include "io/case/keys.hpp"
 
 #include "kerf/case_file.hpp"
+#include "kerf/max_stress.hpp"
 
 #include <fmt/format.h>
 
@@ -30,10 +31,10 @@ constexpr std::array<View, 9> element_names{
     "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
 constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
 constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
-constexpr std::array<View, 14> functional_kinds{
-    "energy",           "compliance",   "volume", "displacement_tracking", "boundary_tracking", "displacement",
-    "stress_power",     "stress_pnorm", "misfit", "energy_release_rate",   "crack_opening",     "crack_pressure",
-    "worst_edge_crack", "sum"};
+constexpr std::array<View, 15> functional_kinds{
+    "energy",       "compliance",   "volume",     "displacement_tracking", "boundary_tracking",
+    "displacement", "stress_power", "stress_pnorm", "max_stress",          "misfit",
+    "energy_release_rate", "crack_opening", "crack_pressure", "worst_edge_crack", "sum"};
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
@@ -563,6 +564,31 @@ constexpr Key rows[] = {
      {.range = above_zero, .with = "worst_edge_crack", .required = true},
      "The length of the cracks.",
      "0.5"},
+    {"functional.of",
+     Word,
+     {.words = largest_stress_words, .with = "max_stress"},
+     "Which stress is the largest: von Mises, or the larger principal one without its sign.",
+     "\"principal\"",
+     "\"von_mises\""},
+    {"functional.except",
+     Table,
+     {.with = "max_stress"},
+     "Where the largest stress is not looked for, since it is infinite there whatever the design. Radii are shares of "
+     "the diagonal of the body's bounding box.",
+     "{ ends = 0.01, supports = 0.014 }"},
+    {"functional.except.ends",
+     Number,
+     {.range = {0, 0.2}},
+     "Around ends of loads and supports, tips and kinks of cracks, corners of other materials, and reentrant corners "
+     "that no design can cut away; 0: nothing is left out there.",
+     "0.02",
+     "0.01"},
+    {"functional.except.supports",
+     Number,
+     {.range = {0, 0.2}},
+     "Along sides where both displacements are prescribed; 0: nothing.",
+     "0.02",
+     "0.014"},
     {"functional.ring",
      Pair,
      {.range = above_zero, .with = "energy_release_rate"},

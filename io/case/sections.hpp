@@ -85,6 +85,8 @@ void read_steps(const Value& document, const std::vector<std::optional<Value>>& 
 
 /// [functional]: the energy when there is no table. Files lie relative to `folder`. After the conditions.
 void read_functional(const Value& document, const std::filesystem::path& folder, Definitions& definitions, Case& c);
+/// What the largest stresses of [functional] and of bounds leave out. After all loads and [optimize].
+void leave_out_zones(const std::vector<Loop>& frozen, Case& c);
 
 /// The same for any table that has its keys. `notes`: where those on files of measured data go.
 Functional read_functional_table(const Value& table, const std::filesystem::path& folder, Definitions& definitions,

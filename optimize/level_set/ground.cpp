@@ -9,12 +9,12 @@
 
 #include "optimize/level_set/ground.hpp"
 
-#include "geometry/plane.hpp"
 #include "kerf/mesher.hpp"
 #include "optimize/constraints/mirrored.hpp"
 #include "optimize/density/density.hpp"
 #include "optimize/ersatz.hpp"
 #include "optimize/level_set/solid.hpp"
+#include "optimize/stress_zones.hpp"
 
 #include <fmt/core.h>
 
@@ -70,35 +70,11 @@ bool bounds_stress(const Ground& g) {
          std::ranges::any_of(g.r.bounds, [&](const FunctionalBound& b) { return counts_stress(b.functional); });
 }
 
-/// Corners of more than pi inside the body, between sides that bear nothing.
-/// The outline runs counter-clockwise around the body, holes too: inside is -1 for them.
-std::vector<Vec2> reentrant_corners(const Ground& g) {
-  std::vector<Vec2> corners;
-  const auto free = [&](Index label) {
-    return std::ranges::find(g.loaded, label) == g.loaded.end() &&
-           std::ranges::find(g.holding, label) == g.holding.end();
-  };
-  const auto look = [&](const Loop& loop, double inside) {
-    const Polygon p = flatten(loop, 0.01 * g.size, extent({.outline = loop}) / 20);
-    const std::size_t n = p.points.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t before = (i + n - 1) % n;
-      const Vec2 a = p.points[i] - p.points[before], b = p.points[(i + 1) % n] - p.points[i];
-      if (inside * std::atan2(cross(a, b), a.dot(b)) < pi - reentrant_angle && free(p.label[before]) &&
-          free(p.label[i]))
-        corners.push_back(p.points[i]);
-    }
-  };
-  look(g.p.frame.outline, 1);
-  for (const Loop& hole : g.p.frame.holes) look(hole, -1);
-  return corners;
-}
-
 /// Sharp corners have no finite stress: where stress counts they stay notches that the mesh resolves.
 void hollow_corners(Ground& g) {
   constexpr double radius = 2;  // mesh sizes
   if (!bounds_stress(g)) return;
-  for (const Vec2& x : reentrant_corners(g)) {
+  for (const Vec2& x : sharp_corners(g.p.frame, g.loaded, g.holding, 0.01 * g.size)) {
     Eigen::VectorXd& hollow = g.background.hollow;
     if (hollow.size() == 0) hollow = Eigen::VectorXd::Constant(g.background.lumped.size(), -infinity);
     for (Eigen::Index v = 0; v < hollow.size(); ++v)
@@ -142,6 +118,10 @@ Ground make_ground(const Problem& p, const OptimizeRequest& r) {
     g.notes.emplace_back(
         "the loads or the supports are not their own mirror image: the design is, its stresses are not");
   hollow_corners(g);
+  for (const FunctionalBound& bound : r.bounds)
+    for (const Term& term : bound.functional.terms)
+      if (const std::string zones = term.largest ? zones_in_words(*term.largest) : ""; !zones.empty())
+        g.notes.push_back(fmt::format("\"{}\" leaves out {}", bound.name, zones));
   const double smoothing = how.smoothing > 0 ? how.smoothing : g.size;
   if (!g.turns() && how.product == LevelSetRequest::Product::Elasticity)
     g.elastic = std::make_unique<ElasticProduct>(g.background, smoothing);

@@ -3,11 +3,13 @@
 
 #include "optimize/level_set/solid.hpp"
 
+#include "geometry/plane.hpp"
 #include "optimize/loop/evaluate.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace kerf {
 
@@ -40,6 +42,29 @@ Solid solid_parts(const Problem& p, const OptimizeRequest& r, double width, std:
       }
     }
   return solid;
+}
+
+// The outline runs counter-clockwise around the body, holes too: inside is -1 for them.
+std::vector<Vec2> sharp_corners(const Shape& frame, std::span<const Index> loaded, std::span<const Index> held,
+                                double chord) {
+  std::vector<Vec2> corners;
+  const auto free = [&](Index label) {
+    return std::ranges::find(loaded, label) == loaded.end() && std::ranges::find(held, label) == held.end();
+  };
+  const auto look = [&](const Loop& loop, double inside) {
+    const Polygon p = flatten(loop, chord, extent({.outline = loop}) / 20);
+    const std::size_t n = p.points.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t before = (i + n - 1) % n;
+      const Vec2 a = p.points[i] - p.points[before], b = p.points[(i + 1) % n] - p.points[i];
+      if (inside * std::atan2(cross(a, b), a.dot(b)) < pi - reentrant_angle && free(p.label[before]) &&
+          free(p.label[i]))
+        corners.push_back(p.points[i]);
+    }
+  };
+  look(frame.outline, 1);
+  for (const Loop& hole : frame.holes) look(hole, -1);
+  return corners;
 }
 
 }  // namespace kerf

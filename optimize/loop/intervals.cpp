@@ -103,6 +103,7 @@ class CaseIntervals {
 
   // The square of the von Mises stress is a quadratic form of the stress, whose bounds follow from energies.
   Bounded stress(const Term& term) const {
+    if (term.largest) return no_interval("no bound: of the largest stress there is none");
     if (term.stress_power != 2)
       return no_interval(
           fmt::format("no bound: the von Mises stress to the power {:g} has none, its square alone "

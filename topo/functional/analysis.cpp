@@ -15,6 +15,7 @@
 #include "topo/analysis.hpp"
 #include "topo/functional/edge_crack_norm.hpp"
 #include "topo/functional/integrate.hpp"
+#include "topo/max_stress.hpp"
 
 #include <fmt/core.h>
 
@@ -373,6 +374,11 @@ double misfit(const Term& term, const Model& model, const Field& state, const Wh
   return value;
 }
 
+/// The largest stress of the whole body, to which the norm of the term is scaled.
+double largest(const Term& term, const Model& model, const Field& state, const WholeBody& body) {
+  return std::ranges::max(body.gather({largest_stress(*term.largest, model, state).value}));
+}
+
 }  // namespace
 
 Analysis analyze(const Functional& j, const Model& model, const Field& state, const WholeBody& body, bool value_only) {
@@ -405,9 +411,10 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
     value = summed(value);
     if (term.power != 1 && value < 0)
       throw Error(Fault::Usage, fmt::format("the integral of \"{}\" is negative: its weight must not be", term.kind));
-    const double result = term.power == 1 ? value : std::pow(std::max(value, 0.0), term.power);
+    const double norm = term.power == 1 ? value : std::pow(std::max(value, 0.0), term.power),
+                 result = term.largest ? largest(term, model, state, body) : norm;
     a.term_value.push_back(result);
-    a.slope.push_back(slope(term, value));
+    a.slope.push_back((term.largest && norm > 0 ? result / norm : 1) * slope(term, value));
     a.value += term.factor * result;
     if (differentiates) {
       if (term.work) a.work_share += a.slope.back();

@@ -86,6 +86,7 @@ std::optional<Dimension> dimension_of(const Functional& j) {
                                      {"stress_power", {term.stress_power, 2}},
                                      {"stress_pnorm", {1, term.stress_power > 0 ? 2 / term.stress_power : 0}},
                                      {"worst_edge_crack", {1, 0.5 + (term.edge_cracks ? 1 / term.edge_cracks->p : 0)}},
+                                     {"max_stress", {1, 0}},
                                      {"energy_release_rate", dimension::release_rate},
                                      {"crack_opening", {0, 2}},
                                      {"crack_pressure", {2, 1}}}};

@@ -1,6 +1,7 @@
 // Sections [optimize], [[load_case]] and [synthetic] against the requests they stand for; mistakes against the whole
 // message, with line and column; what the fingerprint depends on.
 
+#include "kerf/max_stress.hpp"
 #include "tests/io/case/case_files.hpp"
 
 namespace kerf::optimize_test {
@@ -119,6 +120,37 @@ at_most = 1
   EXPECT_EQ(r.bounds[1].functional.terms.at(0).stress_power, 4);
   EXPECT_EQ(r.bounds[2].name, "area");
   EXPECT_EQ(r.bounds[2].functional.kind, "volume");
+}
+
+TEST(Optimize, LargestStressesLeaveZonesOut) {
+  const Case c = read(plate + pull + R"([optimize]
+volume = { at_most = 0.5 }
+[[optimize.bound]]
+kind = "max_stress"
+at_most = 3
+[[optimize.bound]]
+kind = "max_stress"
+of = "principal"
+except = { ends = 0.1, supports = 0 }
+at_most = 2
+)");
+  ASSERT_TRUE(c.optimize);
+  ASSERT_EQ(c.optimize->bounds.size(), 2u);
+  const Term &mises = c.optimize->bounds[0].functional.terms.at(0),
+             &principal = c.optimize->bounds[1].functional.terms.at(0);
+  ASSERT_TRUE(mises.largest && principal.largest);
+  EXPECT_EQ(mises.largest->of, LargestStress::Of::VonMises);
+  EXPECT_EQ(mises.largest->ends, 0.01);
+  EXPECT_EQ(mises.largest->supports, 0.014);
+  EXPECT_EQ(principal.largest->of, LargestStress::Of::Principal);
+  EXPECT_EQ(principal.largest->ends, 0.1);
+  EXPECT_EQ(principal.largest->supports, 0);
+  // The left side is clamped, the right one loaded.
+  const double size = extent(c.shape);
+  EXPECT_TRUE(mises.largest->leaves_out({0.013 * size, 0.5}));
+  EXPECT_FALSE(principal.largest->leaves_out({0.013 * size, 0.5}));
+  EXPECT_FALSE(mises.largest->leaves_out({2 - 0.02 * size, 0}));
+  EXPECT_TRUE(principal.largest->leaves_out({2 - 0.02 * size, 0}));
 }
 
 TEST(Optimize, OtherSpellings) {
@@ -744,6 +776,9 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Bounds, WrongOptimize,
     testing::Values(
+        Wrong{
+            "[optimize]\nvolume = { at_most = 0.5 }\n[[optimize.bound]]\nkind = 'max_stress'\nexcept = 4\nat_most = 1",
+            "a.toml:19:10: except in [[optimize.bound]] must be { ends = 0.01, supports = 0.014 }"},
         Wrong{"[optimize]\nvolume = { at_most = 0.5 }\n[[optimize.bound]]\nkind = 'stress_pnorm'\np = 4",
               "a.toml:17:1: missing key \"at_most\" in [[optimize.bound]]; add it"},
         Wrong{"[optimize]\nvolume = { at_most = 0.5 }\n[[optimize.bound]]\nkind = 'stress_pnorm'\nat_most = 4",
