@@ -331,6 +331,7 @@ std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, 
   if (fence.corners.empty()) return near;
   const Samples samples = samples_of(d, fine * size);
   const Shape body = shape_of(d);
+  const std::optional<Region> region = d.follow_arcs ? std::optional<Region>(body) : std::nullopt;
   // Corners that are points of the body already need no look.
   const auto starts_at = [&](const Loop& loop, const Vec2& x) {
     return std::ranges::any_of(loop.sides, [&](const Side& side) { return (side.start - x).norm() < 1e-6 * size; });
@@ -339,6 +340,7 @@ std::vector<NearCorner> near_corners(const DesignCurves& d, const Fence& fence, 
     if (starts_at(body.outline, corner) ||
         std::ranges::any_of(body.holes, [&](const Loop& hole) { return starts_at(hole, corner); }))
       continue;
+    if (region && region->away(corner) < 1e-3 * size) continue;
     const Sample* nearest = nullptr;
     double least = within;
     for (const Sample& s : samples.all)

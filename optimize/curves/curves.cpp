@@ -12,6 +12,7 @@
 #include "optimize/curves.hpp"
 
 #include "base/dense.hpp"
+#include "kerf/folded.hpp"
 #include "kerf/shape_gradient.hpp"
 #include "optimize/constraints.hpp"
 #include "optimize/constraints/thickness.hpp"
@@ -20,6 +21,7 @@
 #include "optimize/curves/fit.hpp"
 #include "optimize/curves/quadratic.hpp"
 #include "optimize/curves/step_limits.hpp"
+#include "optimize/curves/stress_rows.hpp"
 #include "optimize/loop/evaluate.hpp"
 #include "optimize/loop/finish.hpp"
 
@@ -40,14 +42,16 @@ using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
 constexpr double first_step = 0.5, largest_step = 1.5, least_step = 1e-3;  // of a step
-constexpr double shortest_strained = 0.1;  // steps beyond which a mesh that does not follow is no reason for a new one
-constexpr double least_radius = 0.4;       // of arcs, so that meshes can tell
-constexpr double largest_angle = 0.35;     // a knot may turn by in a step
-constexpr double sharpest = 0.9;           // turn of an arc, in half turns
-constexpr double area_error = 1e-7;        // of the area wanted
-constexpr double mesh_noise = 1e-3;        // of J between meshes of like size
-constexpr double too_little = 1e-9;        // of J, predicted: nothing is to be gained
-constexpr double no_price = 0.05;          // of J per area: below, that is what residuals are relative to
+constexpr double shortest_strained = 0.1;   // steps beyond which a mesh that does not follow is no reason for a new one
+constexpr double least_radius = 0.4;        // of arcs, so that meshes can tell
+constexpr double largest_angle = 0.35;      // a knot may turn by in a step
+constexpr double sharpest = 0.9;            // turn of an arc, in half turns
+constexpr double area_error = 1e-7;         // of the area wanted
+constexpr double mesh_noise = 1e-3;         // of J between meshes of like size
+constexpr double too_little = 1e-9;         // of J, predicted: nothing is to be gained
+constexpr double no_price = 0.05;           // of J per area: below, that is what residuals are relative to
+constexpr double stress_noise = 5e-3;       // of J
+constexpr double least_stress_step = 0.03;  // of a step where largest stresses count: finer meshes say how to go on
 constexpr const char* own_mesh = "a mesh of its own";
 constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
 constexpr double slow = 2e-4;
@@ -56,8 +60,9 @@ constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step a
 constexpr double of_width = 1 - kept_thickness;     // that may be missing
 constexpr double roomy = 1.01;                      // of the widths asked for
 constexpr int most_meshes_at_end = 4;
-constexpr int most_rooms = 2;    // times that bounds are made to leave more room for what a finer mesh says
-constexpr int most_rounds = 12;  // of quadratic programs for a step
+constexpr int most_rooms = 2;         // times that bounds are made to leave more room for what a finer mesh says
+constexpr int most_stress_rooms = 8;  // times that largest stresses follow it
+constexpr int most_rounds = 12;       // of quadratic programs for a step
 
 /// A mesh and the curves it was made for; built when first needed.
 struct Base {
@@ -72,7 +77,7 @@ struct Point {
   bool fresh = false, rebased = false;
   double J = 0, area = 0;
   VectorXd by_J, by_area;
-  VectorXd bound;     // per bound and load case, relative to what it may be
+  VectorXd bound;     // per load case and bound, of largest stresses per box, relative to what it may be
   MatrixXd by_bound;  // a column each
   std::vector<double> bounds;
   Index triangles = 0;
@@ -111,12 +116,29 @@ class CurvesRun {
     radius_ = first_step * size_;
     solid_ = solid_loops(p, r);
     for (std::size_t k = 0; k < how.at_most.size(); ++k) asked_.bounds[k].at_most = how.at_most[k];
+    for (std::size_t c = 0; c < std::max<std::size_t>(1, r.load_cases.size()); ++c)
+      for (std::size_t b = 0; b < r.bounds.size(); ++b) {
+        const bool stress = largest_of(r.bounds[b].functional) != nullptr;
+        rows_of_.push_back({b, bound_rows_, stress ? Eigen::Index(boxes_.count()) : 1});
+        bound_rows_ += rows_of_.back().count;
+        stressed_ = stressed_ || stress;
+      }
+    factor_ = VectorXd::Ones(bound_rows_);
   }
 
   FinishedCurves run();
 
  private:
   std::optional<Point> evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base, std::string& failure);
+  /// Whether a row of bounds has a gradient: not that of an idle box.
+  bool has_gradient(const VectorXd& values, Eigen::Index k) const {
+    return !stressed_ || values[k] != idle_box;
+  }
+  Eigen::Index told(const VectorXd& values) const {
+    Eigen::Index count = 0;
+    for (Eigen::Index k = 0; k < values.size(); ++k) count += has_gradient(values, k) ? 1 : 0;
+    return count;
+  }
   std::optional<Mesh> carried(const std::shared_ptr<Base>& base, const DesignCurves& d) const;
   Mesh mesh_for(Point& x);
   void solve(Point& x);
@@ -153,6 +175,19 @@ class CurvesRun {
   Eigen::Index first_bound() const {
     return bounded_ ? 1 : 0;
   }
+  VectorXd make_room(Linearized& all, const Eigen::LLT<MatrixXd>& H,
+                     const std::function<double(const VectorXd& step)>& reach) const;
+  VectorXd soften(Linearized& all, const Eigen::LLT<MatrixXd>& H,
+                  const std::function<double(const VectorXd& step)>& reach) const;
+  void look_at_stresses();
+  bool follow_stresses();
+  void tighten(const std::vector<double>& limits);
+
+  /// The rows of a bound in a load case, counted as Point::bound counts them; load case by load case.
+  struct RowsOfBound {
+    std::size_t bound;
+    Eigen::Index first, count;
+  };
 
   const Problem& p_;
   OptimizeRequest asked_, r_;  // r_: bounds leave room for what a finer mesh says
@@ -165,7 +200,17 @@ class CurvesRun {
   bool wide_ = true;    // widths asked for can be had; otherwise the end says what is too narrow
   double outside_ = 0;  // of the frame
   double least_residual_ = infinity;
-  std::vector<double> track_;  // merits since the last new mesh
+  const StressBoxes boxes_ = StressBoxes(p_.frame);
+  std::vector<RowsOfBound> rows_of_;
+  Eigen::Index bound_rows_ = 0;
+  VectorXd factor_;  // per row: of largest stresses, what a finer mesh says of them over what that of the steps does
+  VectorXd finer_stress_;      // the largest stresses there
+  bool stressed_ = false;      // some bound is one on a largest stress
+  std::optional<Point> kept_;  // the best of those whose stresses a finer mesh has found kept
+  FinerDesign kept_finer_;
+  std::optional<Point> lowest_;          // of least merit since the factors were told
+  double full_ = nan, kept_full_ = nan;  // shares of the boundary that are fully stressed
+  std::vector<double> track_;            // merits since the last new mesh
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0, rooms_ = 0;
   Point x_;                    // the present one
@@ -218,26 +263,34 @@ void CurvesRun::solve_on(Point& x, const Problem& p, const CurveMesh& follows, M
   x.bounds = e->bounds;
   x.triangles = Index(e->cases.front().model.mesh.triangles.size());
   x.by_J = VectorXd::Zero(x.curves.variables);
-  // Each bound holds in every load case by itself; J is the weighted sum over the cases.
-  const auto nb = Eigen::Index(r_.bounds.size() * e->cases.size());
-  x.bound.resize(nb);
-  x.by_bound.resize(x.curves.variables, nb);
-  Eigen::Index k = 0;
   for (const SolvedCase& c : e->cases) {
     const Analysis a = analyze(e->objective, c.model, c.state);
     x.by_J += c.weight * pull_back(follows, x.curves, shape_gradient(a, e->objective));
-    for (std::size_t b = 0; b < r_.bounds.size(); ++b, ++k) {
-      const Analysis of_bound = analyze(e->bounded[b], c.model, c.state);
-      const double most = r_.bounds[b].at_most, unit = unit_of(most);
-      x.bound[k] = (of_bound.value - most) / unit;
-      x.by_bound.col(k) = pull_back(follows, x.curves, shape_gradient(of_bound, e->bounded[b])) / unit;
+  }
+  // Each bound holds in every load case by itself; J is the weighted sum over the cases.
+  x.bound.resize(bound_rows_);
+  x.by_bound.resize(x.curves.variables, bound_rows_);
+  for (std::size_t i = 0; i < rows_of_.size(); ++i) {
+    const SolvedCase& c = e->cases[i / r_.bounds.size()];
+    const auto& [b, first, count] = rows_of_[i];
+    const double most = r_.bounds[b].at_most, unit = unit_of(most);
+    if (const LargestStress* stress = largest_of(e->bounded[b])) {
+      const StressRows rows = stress_rows(*stress, most, boxes_, factor_.segment(first, count), c, follows, x.curves);
+      x.bound.segment(first, count) = rows.value;
+      x.by_bound.middleCols(first, count) = rows.by;
+      const double largest = most * (1 + rows.value.maxCoeff());
+      x.bounds[b] = i < r_.bounds.size() ? largest : std::max(x.bounds[b], largest);
+      continue;
     }
+    const Analysis of_bound = analyze(e->bounded[b], c.model, c.state);
+    x.bound[first] = (of_bound.value - most) / unit;
+    x.by_bound.col(first) = pull_back(follows, x.curves, shape_gradient(of_bound, e->bounded[b])) / unit;
   }
   spare_ = e;
   x.solved = std::move(e);
 }
 
-// `gradients` are the columns by_J, by_bound.
+// `gradients` are the columns by_J, by_bound without those of idle boxes.
 void CurvesRun::recall(const CurvesRow& row, Point& x) const {
   // No mesh is built: only where one would be made is noted.
   x.fresh = row.fresh;
@@ -249,9 +302,11 @@ void CurvesRun::recall(const CurvesRow& row, Point& x) const {
   x.triangles = row.triangles;
   x.bound = row.values;
   const Eigen::Index n = x.curves.variables;
-  const Eigen::Map<const MatrixXd> all(row.gradients.data(), n, 1 + row.values.size());
+  const Eigen::Map<const MatrixXd> all(row.gradients.data(), n, 1 + told(row.values));
   x.by_J = all.col(0);
-  x.by_bound = all.rightCols(row.values.size());
+  x.by_bound = MatrixXd::Zero(n, row.values.size());
+  for (Eigen::Index k = 0, column = 1; k < row.values.size(); ++k)
+    if (has_gradient(row.values, k)) x.by_bound.col(k) = all.col(column++);
 }
 
 /// Whether the row is one of these curves, with all that an evaluation says. `meshed`: there is a mesh to move.
@@ -260,11 +315,11 @@ bool CurvesRun::replays(const CurvesRow& row, const DesignCurves& d, bool meshed
   if (!std::ranges::equal(row.knots, knots)) return false;
   if (!row.failure.empty()) return true;
   if (row.fresh ? row.rebased : !meshed) return false;
-  const auto bounds = Eigen::Index(r_.bounds.size()), values = row.values.size();
-  const auto cases = Eigen::Index(std::max<std::size_t>(1, r_.load_cases.size()));
-  return Eigen::Index(row.bounds.size()) == bounds && values == bounds * cases &&
-         row.gradients.size() == d.variables * (1 + values) && std::isfinite(row.J) && row.values.allFinite() &&
-         row.gradients.allFinite() && std::ranges::all_of(row.bounds, [](double b) { return std::isfinite(b); });
+  const auto bounds = Eigen::Index(r_.bounds.size());
+  return Eigen::Index(row.bounds.size()) == bounds && row.values.size() == bound_rows_ &&
+         row.gradients.size() == d.variables * (1 + told(row.values)) && std::isfinite(row.J) &&
+         row.values.allFinite() && row.gradients.allFinite() &&
+         std::ranges::all_of(row.bounds, [](double b) { return std::isfinite(b); });
 }
 
 /// On the mesh of `base` moved there, or on a fresh one where that suffers or there is none.
@@ -319,8 +374,10 @@ CurvesRow CurvesRun::row_of(const Point& x) const {
                 .rebased = x.rebased,
                 .knots = pack(x.curves),
                 .values = x.bound};
-  MatrixXd all(x.curves.variables, 1 + x.bound.size());
-  all << x.by_J, x.by_bound;
+  MatrixXd all(x.curves.variables, 1 + told(x.bound));
+  all.col(0) = x.by_J;
+  for (Eigen::Index k = 0, column = 1; k < x.bound.size(); ++k)
+    if (has_gradient(x.bound, k)) all.col(column++) = x.by_bound.col(k);
   row.gradients = all.reshaped();
   return row;
 }
@@ -441,6 +498,46 @@ void CurvesRun::learn(const Point& from, const Point& to, const VectorXd& step) 
   B_ += r * r.transpose() / step.dot(r) - Bs * Bs.transpose() / sBs;
 }
 
+/// Boxes that are violated ask for no more than the radius can do for each of them alone, and may stay violated, at a
+/// price: what contradicts the others would shorten what they all ask for. How much so per multiplier.
+VectorXd CurvesRun::soften(Linearized& all, const Eigen::LLT<MatrixXd>& H,
+                           const std::function<double(const VectorXd& step)>& reach) const {
+  constexpr double ample = 0.8, price = 20;  // radii; of J
+  VectorXd soft = VectorXd::Zero(first_bound() + bound_rows_);
+  for (const RowsOfBound& rows : rows_of_) {
+    if (rows.count == 1) continue;
+    for (Eigen::Index k = first_bound() + rows.first; k < first_bound() + rows.first + rows.count; ++k) {
+      if (all.A.row(k).isZero(0)) {  // an idle box: its room is nothing to measure others by
+        all.room[k] = 0;
+        continue;
+      }
+      soft[k] = 1 / (price * std::abs(x_.J));
+      if (!(all.room[k] < 0)) continue;
+      const VectorXd a = all.A.row(k), v = kerf::solve(H, a);
+      const double gain = a.dot(v);
+      if (gain > 0) all.room[k] *= std::min(1.0, ample / std::max(reach(VectorXd(v * (all.room[k] / gain))), 1e-300));
+    }
+  }
+  return soft;
+}
+
+/// What is violated asks for what the radius can do. Per row of bounds what it may stay violated by per multiplier.
+VectorXd CurvesRun::make_room(Linearized& all, const Eigen::LLT<MatrixXd>& H,
+                              const std::function<double(const VectorXd& step)>& reach) const {
+  const Eigen::Index front = dearest_.size();
+  const auto reach_of_rows = [&](const VectorXd& rooms) {
+    return reach(quadratic_step(H, VectorXd::Zero(all.A.cols()), all.A.bottomRows(rooms.size()), rooms).step);
+  };
+  if (!stressed_) {
+    make_reachable(all.room, front, reach_of_rows);
+    return {};
+  }
+  VectorXd geometry = all.room.tail(all.room.size() - front);
+  make_reachable(geometry, 0, reach_of_rows);
+  all.room.tail(geometry.size()) = geometry;
+  return soften(all, H, reach);
+}
+
 /// The step of the quadratic model under the constraints, with no normal move beyond the radius: rows for the moves
 /// enter where they are needed.
 VectorXd CurvesRun::step_within(const Point& x, double radius) {
@@ -456,13 +553,10 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   }
   // Rows before `front` are area and bounds, those behind it the geometry.
   const Eigen::Index front = dearest_.size();
-  make_reachable(all.room, front, [&](const VectorXd& rooms) {
-    const VectorXd back = quadratic_step(H, VectorXd::Zero(g.size()), all.A.bottomRows(rooms.size()), rooms).step;
-    return overreach(x.curves, moves, back, most);
-  });
+  const VectorXd soft = make_room(all, H, [&](const VectorXd& step) { return overreach(x.curves, moves, step, most); });
   Linearized l{all.A.topRows(front), all.room.head(front)};
   std::vector<bool> used(std::size_t(all.room.size()), false);
-  QuadraticStep s = quadratic_step(H, g, l.A, l.room);
+  QuadraticStep s = quadratic_step(H, g, l.A, l.room, soft);
   // The area is corrected three times at most.
   int bends = 0;
   for (int round = 0; round < most_rounds; ++round) {
@@ -491,10 +585,11 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
       if (std::abs(room - l.room[0]) <= area_error * most_) break;
       l.room[0] = room;
     }
-    s = quadratic_step(H, g, l.A, l.room);
+    s = quadratic_step(H, g, l.A, l.room, soft);
   }
   multiplier_ = s.multiplier.head(dearest_.size());
   dearest_ = dearest_.cwiseMax(multiplier_);
+  if (stressed_) shorten_chains(x.curves, moves, most, s.step);
   const double furthest = furthest_move(moves, s.step, most);
   reach_ = std::min(1.0, furthest);
   return s.step / std::max(1.0, furthest);
@@ -577,7 +672,10 @@ bool CurvesRun::iterate() {
     // Meshes of different bases differ by up to 1e-3 of J: a smaller rise is no reason to refuse.
     const double noise = y && y->base != x_.base ? mesh_noise * std::abs(x_.J) : 0;
     const double fell = y ? merit(x_) - merit(*y) : -infinity, ratio = fell / fall;
-    const bool good = y && fell > 0.05 * fall - noise;
+    if (stressed_ && (!lowest_ || merit(x_) < merit(*lowest_))) lowest_ = x_;
+    // The largest stresses of boxes jump from point to point: some rise above the lowest merit is allowed.
+    const bool near_lowest = y && stressed_ && merit(*y) < merit(*lowest_) + stress_noise * std::abs(x_.J);
+    const bool good = y && (fell > 0.05 * fall - noise || near_lowest);
     if (y && (noise == 0 || last_step_ > 0.15 * size_)) learn(x_, *y, step);
     if (!good) {
       if (y)
@@ -586,7 +684,7 @@ bool CurvesRun::iterate() {
       if (y && y->rebased && evaluations_ < how_.evaluations) return remesh(x_.curves, own_mesh);
       // Less than the refused step used, which may have been less than the radius.
       radius_ *= 0.4 * reach_;
-      if (radius_ < least_step * size_) {
+      if (radius_ < (stressed_ ? least_stress_step : least_step) * size_) {
         out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
         return false;
       }
@@ -763,6 +861,67 @@ void CurvesRun::look_closer() try {
   if (!of_one_body(error)) throw;  // whoever judges will find out why
 }
 
+/// The design on a finer mesh, and what that says of the largest stresses.
+void CurvesRun::look_at_stresses() try {
+  out_.finer.reset();
+  Problem finer = finer_problem(p_);
+  const Shape shape = shape_of(x_.curves);
+  finer.sizing.curved = is_judged_on_curves(finer, shape);
+  const auto solved = [&] { return evaluate_design(finer, asked_, shape, carved_.crack_of); };
+  std::optional<Evaluated> e;
+  try {
+    e.emplace(solved());
+  } catch (const FoldedTriangle&) {
+    finer.sizing.curved = false;
+    e.emplace(solved());
+  }
+  out_.finer = finer_design(finer, asked_, *e, whole_);
+  finer_stress_ = VectorXd::Zero(bound_rows_);
+  for (std::size_t i = 0; i < rows_of_.size(); ++i)
+    if (const auto& [b, first, count] = rows_of_[i]; const LargestStress* stress = largest_of(e->bounded[b])) {
+      finer_stress_.segment(first, count) = boxes_.largest(*stress, e->cases[i / r_.bounds.size()]);
+      full_ = fully_stressed(*stress, asked_.bounds[b].at_most, e->cases);
+    }
+} catch (const Error& error) {
+  if (!of_one_body(error)) throw;
+}
+
+/// The factors of largest stresses follow what the finer mesh has found. Whether there is a reason to go on.
+bool CurvesRun::follow_stresses() {
+  constexpr double unused = 0.004;  // of a bound
+  if (!out_.finer) return false;
+  const bool kept = out_.finer->violation < feasible_violation;
+  if (kept && (!kept_ || x_.J < kept_->J)) kept_ = x_, kept_finer_ = *out_.finer, kept_full_ = full_;
+  double least = infinity;  // of the room that is left
+  for (std::size_t i = 0; i < rows_of_.size(); ++i) {
+    const auto& [b, first, count] = rows_of_[i];
+    if (count == 1) continue;
+    const double most = r_.bounds[b].at_most;
+    // Rows know the stresses of this mesh by their values; those of idle boxes stay without a factor.
+    for (Eigen::Index k = first; k < first + count; ++k) {
+      least = std::min(least, 1 - finer_stress_[k] / most);
+      if (x_.bound[k] == idle_box) continue;
+      const double now = stress_factor(finer_stress_[k], most * (1 + x_.bound[k]) / factor_[k]);
+      x_.by_bound.col(k) *= now / factor_[k];
+      x_.bound[k] = (1 + x_.bound[k]) * now / factor_[k] - 1;
+      factor_[k] = now;
+    }
+    x_.bounds[b] = most * (1 + x_.bound.segment(first, count).maxCoeff());
+  }
+  std::vector<double> now;
+  for (const FunctionalBound& bound : r_.bounds) now.push_back(bound.at_most);
+  if (const std::vector<double> tight = with_more_room(*out_.finer, asked_, now, x_.bounds); !tight.empty())
+    tighten(tight);
+  if (rooms_ == most_stress_rooms || evaluations_ >= how_.evaluations || (kept && least < unused)) return false;
+  ++rooms_;
+  weigh(x_);
+  best_.reset();
+  lowest_.reset();
+  track_.clear();
+  radius_ = std::max(radius_, 0.15 * size_);
+  return true;
+}
+
 /// Steps to the end within the frame.
 void CurvesRun::settle() {
   int meshes = 0;
@@ -779,9 +938,21 @@ void CurvesRun::settle() {
   }
 }
 
+/// Other limits of bounds from now on, but of largest stresses.
+/// Values and derivatives are rescaled to them without solving anew.
+void CurvesRun::tighten(const std::vector<double>& tight) {
+  for (const auto& [b, first, count] : rows_of_) {
+    if (largest_of(r_.bounds[b].functional)) continue;
+    const double now = r_.bounds[b].at_most, most = tight[b], was = unit_of(now), unit = unit_of(most);
+    x_.bound[first] = (x_.bound[first] * was + now - most) / unit;
+    x_.by_bound.col(first) *= was / unit;
+  }
+  for (std::size_t b = 0; b < tight.size(); ++b)
+    if (!largest_of(r_.bounds[b].functional)) r_.bounds[b].at_most = tight[b];
+}
+
 /// Where the finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
-/// Values and derivatives of the bounds are rescaled to their new limits without solving anew.
 bool CurvesRun::leave_room() {
   if (!out_.finer || rooms_ == most_rooms || evaluations_ >= how_.evaluations) return false;
   std::vector<double> now;
@@ -790,13 +961,7 @@ bool CurvesRun::leave_room() {
   if (tight.empty()) return false;
   ++rooms_;
   solves_ += int(std::max<std::size_t>(1, r_.load_cases.size()));
-  for (Eigen::Index k = 0; k < x_.bound.size(); ++k) {
-    FunctionalBound& bound = r_.bounds[std::size_t(k) % r_.bounds.size()];
-    const double most = tight[std::size_t(k) % tight.size()], was = unit_of(bound.at_most), unit = unit_of(most);
-    x_.bound[k] = (x_.bound[k] * was + bound.at_most - most) / unit;
-    x_.by_bound.col(k) *= was / unit;
-  }
-  for (std::size_t k = 0; k < tight.size(); ++k) r_.bounds[k].at_most = tight[k];
+  tighten(tight);
   weigh(x_);
   best_.reset();
   track_.clear();
@@ -807,7 +972,8 @@ bool CurvesRun::leave_room() {
 // The fit is brought into the frame before anything is solved, and evaluated on a mesh of its own.
 FinishedCurves CurvesRun::run() {
   std::string failure;
-  const DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);
+  DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);
+  start.follow_arcs = stressed_;
   Point inside{.curves = start};
   inside.area = area_of(start, &inside.by_area);
   inside.by_bound.resize(start.variables, 0);
@@ -818,14 +984,24 @@ FinishedCurves CurvesRun::run() {
   if (!first) throw Error(Fault::Geometry, failure);
   x_ = std::move(*first);
   out_.residual_before = x_.residual;
+  if (stressed_) {
+    look_at_stresses();
+    follow_stresses();
+    rooms_ = 0;
+  }
   begin_curvature(x_);
   share_.assign(x_.curves.chains.size(), 1.0);
   if (show()) settle();
   while (!stopped_) {
-    look_closer();
-    if (!leave_room()) break;
+    stressed_ ? look_at_stresses() : look_closer();
+    if (!(stressed_ ? follow_stresses() : leave_room())) break;
     settle();
   }
+  if (kept_ && !(out_.finer && out_.finer->violation < feasible_violation && x_.J <= kept_->J))
+    x_ = std::move(*kept_), out_.finer = kept_finer_, full_ = kept_full_;
+  if (stressed_ && std::isfinite(full_))
+    out_.notes.push_back(fmt::format(
+        "on {:.2g} of the free boundary the stress is within 10 % of its bound, as a finer mesh has it", full_));
   out_.shape = shape_of(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;

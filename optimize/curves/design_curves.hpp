@@ -63,7 +63,8 @@ struct DesignCurves {
   std::vector<std::vector<double>> spacing;  // per chain and segment: its length when the knots were placed
   Index label = none;
   Eigen::Index variables = 0;
-  double distance = 0;  // of the fit, the largest
+  double distance = 0;       // of the fit, the largest
+  bool follow_arcs = false;  // arcs of the frame that are the body's own have no corners that steps keep off
 };
 
 /// What must stay as it is besides regions and cracks: labels that bear loads or are looked at.

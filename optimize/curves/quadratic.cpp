@@ -64,7 +64,8 @@ VectorXd nonnegative(const MatrixXd& S, const VectorXd& r) {
 
 }  // namespace
 
-QuadraticStep quadratic_step(const Eigen::LLT<MatrixXd>& H, const VectorXd& g, const MatrixXd& A, const VectorXd& b) {
+QuadraticStep quadratic_step(const Eigen::LLT<MatrixXd>& H, const VectorXd& g, const MatrixXd& A, const VectorXd& b,
+                             const VectorXd& soft) {
   // The minimum without constraints; with none that is all.
   const VectorXd free = -solve(H, g);
   if (A.rows() == 0) return {free, VectorXd()};
@@ -75,6 +76,7 @@ QuadraticStep quadratic_step(const Eigen::LLT<MatrixXd>& H, const VectorXd& g, c
   MatrixXd S = size.cwiseInverse().asDiagonal() * transposed_multiply(half, half) * size.cwiseInverse().asDiagonal();
   // Contradicting rows have a singular S and multipliers without a bound; 1e-9 of each row's own size bounds them.
   S.diagonal().array() += 1e-9;
+  for (Eigen::Index k = 0; k < soft.size(); ++k) S(k, k) += soft[k] / (size[k] * size[k]);
   const VectorXd m = nonnegative(S, (multiply(A, free) - b).cwiseQuotient(size)).cwiseQuotient(size);
   return {free - solve(H, transposed_multiply(A, m)), m};
 }

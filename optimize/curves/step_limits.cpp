@@ -36,6 +36,21 @@ double overreach(const DesignCurves& d, const NormalMoves& moves, const VectorXd
   return worst;
 }
 
+void shorten_chains(const DesignCurves& d, const NormalMoves& moves, const ChainLimits& most, VectorXd& step) {
+  std::vector<double> reach(d.chains.size(), 1);
+  const VectorXd move = moves.by * step;
+  for (Eigen::Index i = 0; i < move.size(); ++i) {
+    const auto c = std::size_t(moves.chain[std::size_t(i)]);
+    reach[c] = std::max(reach[c], std::abs(move[i]) / most.radius[c]);
+  }
+  VectorXd part = VectorXd::Ones(step.size());
+  for (std::size_t c = 0; c < d.holds.size(); ++c)
+    for (const KnotHold& hold : d.holds[c])
+      for (const Index variable : {hold.offset, hold.angle})
+        if (variable != none) part[variable] = std::min(part[variable], 1 / reach[c]);
+  step = step.cwiseProduct(part);
+}
+
 LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const VectorXd& step, const ChainLimits& most) {
   constexpr double slack = 1 + 1e-3;
   // Of the three points of an arc the one that moves the furthest has a row.

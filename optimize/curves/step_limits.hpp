@@ -18,6 +18,9 @@ double furthest_move(const NormalMoves& moves, const Eigen::VectorXd& step, cons
 /// The same, or a turn or a slide where that is larger.
 double overreach(const DesignCurves& d, const NormalMoves& moves, const Eigen::VectorXd& step, const ChainLimits& most);
 
+/// Shortens what a step does to each chain that it moves, turns or slides too far, and leaves the others.
+void shorten_chains(const DesignCurves& d, const NormalMoves& moves, const ChainLimits& most, Eigen::VectorXd& step);
+
 /// Rows for what a step moves or turns by more than allowed, those that it moves the furthest within each arc.
 LinearRows too_far(const DesignCurves& d, const NormalMoves& moves, const Eigen::VectorXd& step,
                    const ChainLimits& most);

@@ -10,7 +10,8 @@
 #include "optimize/density/density.hpp"
 
 #include "base/parallel.hpp"
-#include "optimize/density/simp.hpp"
+#include "optimize/density/stage.hpp"
+#include "optimize/density/stress_design.hpp"
 #include "optimize/loop/evaluate.hpp"
 
 #include <fmt/core.h>
@@ -70,30 +71,20 @@ Eigen::VectorXd weights_of(const OptimizeRequest& r) {
   return w;
 }
 
-// With 2.5 cells across the thinnest member that is asked for.
-double cells_of(const Problem& p, const OptimizeRequest& r) {
+}  // namespace
+
+double density_cells(const Problem& p, const OptimizeRequest& r) {
   const double thin = r.level_set.min_feature / cells_across;
   return thin > 0 ? std::clamp(area(p.frame) / (thin * thin), fine_cells, most_cells) : fine_cells;
 }
-
-}  // namespace
 
 double lattice_cell(const Shape& frame) {
   return std::sqrt(area(frame) / fine_cells);
 }
 
-namespace {
-
-/// The problem in the units of its lattice.
-struct Stage {
-  Lattice lattice;
-  LatticeGoal goal;
-  bool surrogate = false;  // the compliance instead of functionals that the lattice does not know
-};
-
 // Areas become cells and compliances multiples of force^2/modulus, so that prices and bounds are those of the problem.
-Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cracks = false) {
-  Stage s{make_lattice(p, r, cells, cracks), {}};
+DensityStage density_stage(const Problem& p, const OptimizeRequest& r, double cells, bool cracks) {
+  DensityStage s{make_lattice(p, r, cells, cracks), {}};
   const Lattice& l = s.lattice;
   // Units of the lattice: areas in cells, compliances over compliance_unit.
   const double whole = l.part.sum(), per_cell = l.cell * l.cell / std::max(l.compliance_unit, 1e-300);
@@ -121,6 +112,8 @@ Stage stage_of(const Problem& p, const OptimizeRequest& r, double cells, bool cr
   return s;
 }
 
+namespace {
+
 // Sampled at three points of each side: for a refusal to make a start, not for a proof.
 bool moves(const Problem& p, const Support& support) {
   std::vector<const Loop*> loops{&p.frame.outline};
@@ -138,18 +131,21 @@ bool moves(const Problem& p, const Support& support) {
   return false;
 }
 
-// What the lattice would answer wrongly, or what has no minimum on it.
-std::optional<std::string> no_stage(const Problem& p, const OptimizeRequest& r, const Stage& s) {
+}  // namespace
+
+std::optional<std::string> no_stage(const Problem& p, const OptimizeRequest& r, const DensityStage& s) {
   if (r.method != OptimizeMethod::LevelSet) return "it is made for a level set";
   for (const Support& support : p.scene.supports)
     if (moves(p, support)) return "a support moves, which the coarse lattice does not know";
   if (s.lattice.force.isZero(0) && s.lattice.body.empty()) return "there are no loads";
   if (s.goal.weights.maxCoeff() < 0) return "its J is less the more the body gives way";
-  const bool bounded = (s.goal.most.array() < infinity).any();
+  const bool bounded = (s.goal.most.array() < infinity).any() || bounds_largest_stress(r);
   if (!s.goal.area && !(s.goal.price > 0 && (bounded || s.goal.weights.maxCoeff() > 0)))
     return fmt::format("the coarse lattice knows compliance and area, and nothing bounds the area");
   return unsupported(s.lattice);
 }
+
+namespace {
 
 /// A density made black and white: at the area allowed; where area has a price or weight, at the area that is best.
 struct BlackWhite {
@@ -158,7 +154,7 @@ struct BlackWhite {
 
 // At the area wanted, where nothing else counts. With bounds on compliances the least area that keeps them is found by
 // bisection, and where area has a price or weight five areas near the density's own are compared.
-BlackWhite judged(const Stage& s, const LatticePattern& pattern, const Eigen::VectorXd& density) {
+BlackWhite judged(const DensityStage& s, const LatticePattern& pattern, const Eigen::VectorXd& density) {
   const Lattice& l = s.lattice;
   LatticeStiffness stiffness(l, pattern);
   const auto at = [&](double area) {
@@ -195,30 +191,33 @@ double density_at(const DensityDesign& d, const Vec2& x) {
 }
 
 std::optional<std::string> no_density_stage(const Problem& p, const OptimizeRequest& r) {
-  return no_stage(p, r, stage_of(p, r, coarse_share * cells_of(p, r)));
+  return no_stage(p, r, density_stage(p, r, coarse_share * density_cells(p, r)));
 }
 
 namespace {
 
 /// A lattice and its matrix.
 struct Level {
-  Stage stage;
+  DensityStage stage;
   LatticePattern pattern;
 };
 Level level(const Problem& p, const OptimizeRequest& r, double cells, bool cracks) {
-  Level at{stage_of(p, r, cells, cracks), {}};
+  Level at{density_stage(p, r, cells, cracks), {}};
   at.pattern = lattice_pattern(at.stage.lattice);
   return at;
 }
 
-// Cells outside the body have the density of the nearest one inside, for interpolation.
-DensityDesign drawn(const Lattice& l, const Densities& found) {
+}  // namespace
+
+DensityDesign on_all_cells(const Lattice& l, const Densities& found) {
   DensityDesign d{.origin = l.origin, .cell = l.cell, .columns = l.columns, .rows = l.rows, .density = found.density};
   for (Eigen::Index c = 0; c < d.density.size(); ++c)
     d.density[c] = found.density[l.inside[static_cast<std::size_t>(c)]];
   d.steps = found.steps;
   return d;
 }
+
+namespace {
 
 Densities minimized(const Level& at, const Schedule& how) {
   const bool plain = at.stage.goal.plain() && at.stage.lattice.body.empty();
@@ -247,7 +246,7 @@ using Levels = std::array<Level, 2>;  // coarse, fine
 std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level& judge, const Run& run,
                                               const OptimizeRequest& r) {
   Schedule how = schedule(run, radius_of(levels[0].stage.lattice, r), !levels[0].stage.lattice.body.empty());
-  const DensityDesign coarse = drawn(levels[0].stage.lattice, minimized(levels[0], how));
+  const DensityDesign coarse = on_all_cells(levels[0].stage.lattice, minimized(levels[0], how));
   const Lattice& l = levels[1].stage.lattice;
   // The finer lattice goes on with the last radius and exponent, from the coarse design.
   how.change_steps = 0;
@@ -257,7 +256,7 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
   for (const Index c : l.cells)
     how.start[c] = l.solid[static_cast<std::size_t>(c)] ? 1 : density_at(coarse, l.origin + l.cell * l.center(c));
   const Densities found = minimized(levels[1], how);
-  DensityDesign d = drawn(l, found);
+  DensityDesign d = on_all_cells(l, found);
   const BlackWhite bw = judged(judge.stage, judge.pattern, found.density);
   d.compliance = l.compliance_unit * bw.goal;
   d.volume_fraction = bw.area / l.part.sum();
@@ -272,7 +271,8 @@ std::pair<DensityDesign, BlackWhite> designed(const Levels& levels, const Level&
 
 // The one that violates its bounds least first, then by the goal; equal ones in the order of the runs.
 std::vector<DensityDesign> density_designs(const Problem& p, const OptimizeRequest& r) {
-  const double cells = cells_of(p, r);
+  if (bounds_largest_stress(r)) return {stress_design(p, r)};
+  const double cells = density_cells(p, r);
   const bool cracked = has_cracks(p);
   std::vector<Levels> levels;  // without cracks, with them
   for (int cracks = 0; cracks < (cracked ? 2 : 1); ++cracks)

@@ -343,6 +343,7 @@ void Builder::loads() {
   }
   // f . u is largest^2 / modulus in the body's units where it is 1 on the lattice.
   l_.compliance_unit = largest * largest / modulus_unit_;
+  l_.force_unit = largest;
 }
 
 // What the level set keeps solid, by centers of cells, and the cells along labels that must stay.

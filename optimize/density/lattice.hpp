@@ -24,6 +24,7 @@ struct Lattice {
   Eigen::MatrixXd force;         // per unknown and load case: of tractions
   std::vector<Points> body;      // per load case and cell: body force on all of its part at density 1; or empty
   double compliance_unit = 1;    // of force . displacement, in the body's units
+  double force_unit = 1;         // of nodal forces; stresses are multiples of it over the cell
   std::optional<Mirror> mirror;  // in cells
 
   Index nodes() const {

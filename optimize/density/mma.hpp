@@ -19,6 +19,11 @@ class Mma {
   /// [Fleury 1989]; otherwise asymptotes follow the swings of the variables.
   Mma(Eigen::VectorXd low, Eigen::VectorXd high, double move, bool reciprocal = false);
 
+  /// How far a variable may move in a step from now on, a share of its range.
+  void move_at_most(double share) {
+    move_ = share;
+  }
+
   /// The next point. Constraints that no step can meet are violated as little as possible.
   Eigen::VectorXd step(const Eigen::VectorXd& x, const MmaPoint& at);
 

@@ -42,9 +42,13 @@ Eigen::VectorXd even_density(const Lattice& l, double area) {
   return x;
 }
 
+}  // namespace
+
 void round_off(Eigen::VectorXd& x) {
   x = (x * fine).array().round() / fine;
 }
+
+namespace {
 
 double on_the_way(double first, double last, int step, const Schedule& how) {
   return step >= how.change_steps ? last : first + (last - first) * step / how.change_steps;

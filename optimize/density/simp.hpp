@@ -59,6 +59,9 @@ Densities optimality_criteria(const Lattice& lattice, const LatticePattern& patt
 Densities moving_asymptotes(const Lattice& lattice, const LatticePattern& pattern, const LatticeGoal& goal,
                             const Schedule& how);
 
+/// Densities as multiples of 2^-24: the rounding of the solver rarely changes one.
+void round_off(Eigen::VectorXd& x);
+
 /// Black and white at an area: the set where the bilinear density exceeds a level, as the share of every cell
 /// [theory: P.8].
 Eigen::VectorXd black_and_white(const Lattice& lattice, const Eigen::VectorXd& density, double area);

@@ -100,6 +100,7 @@ Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& sta
   s_.faith = Eigen::VectorXd::Ones(s_.weight.size());
   if (rules_.tight.empty()) rules_.tight = left_to_curves(g);
   begin(start);
+  s_.ended = rules_.ended;
 }
 
 Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)

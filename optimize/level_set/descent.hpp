@@ -18,6 +18,7 @@ struct DescentRules {
   int trials = 1;             // nucleations tried at the end
   bool try_holes = true;      // nucleated ones, alone: what they do to J is looked at
   std::vector<double> tight;  // share of every bound that this mesh may use
+  std::string ended = {};     // why it is over with its start, in words; empty: it is not
 };
 
 /// What the state of a descent on that ground has to fit.

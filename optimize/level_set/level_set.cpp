@@ -60,6 +60,7 @@ void LevelSetRun::begin() {
   rules.explore = start.explore;
   rules.from = start.name;
   rules.solves = start.solves;
+  rules.ended = start.ended;
   descent_ = std::make_unique<Descent>(ground_, rules, start.phi);
 }
 

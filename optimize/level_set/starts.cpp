@@ -10,6 +10,7 @@
 #include "base/parallel.hpp"
 #include "optimize/constraints/sides.hpp"
 #include "optimize/density/density.hpp"
+#include "optimize/density/stress_design.hpp"
 #include "optimize/level_set/descent.hpp"
 #include "optimize/level_set/start.hpp"
 
@@ -105,8 +106,22 @@ Ranked rank(const Ground& g, const LevelSetStart& start) {
 
 }  // namespace
 
+namespace {
+
+/// What bounds on largest stresses begin with: the design given, or the density that keeps them.
+LevelSetStart stressed_start(const Ground& g) {
+  const bool given = g.r.level_set.start_design || g.r.level_set.start || no_density_stage(g.p, g.r);
+  LevelSetStart start = given ? given_start(g) : of_density(g, density_designs(g.p, g.r).front());
+  start.explore = false;
+  start.ended = "largest stresses are left to the curves";
+  return start;
+}
+
+}  // namespace
+
 // Solves of all candidates count as those of the one that is chosen.
 LevelSetStart best_start(const Ground& g) {
+  if (bounds_largest_stress(g.r) && !g.weak() && !g.turns()) return stressed_start(g);
   const bool design = g.r.level_set.start_design.has_value(), given = g.r.level_set.start || design;
   // A design is begun with, unless others are asked for beside it.
   const auto most = static_cast<std::size_t>(std::max(1, g.r.starts)), densities = design ? most - 1 : most;
