@@ -199,8 +199,8 @@ void add_result(SweepTable& table, SweepTable::Row& row, const std::vector<Leaf>
 
 bool is_usual(std::string_view name) {
   static constexpr std::array<std::string_view, 16> ends{
-      "K_I",   "K_II",  "G",          "verdict",         "stopped", "objective", "coefficient", "energy",
-      "value", "ended", "factor", "compliance", "volume_fraction", "lower",   "upper",     "cycles"};
+      "K_I",   "K_II",  "G",      "verdict",    "stopped",         "objective", "coefficient", "energy",
+      "value", "ended", "factor", "compliance", "volume_fraction", "lower",     "upper",       "cycles"};
   for (const std::string_view hidden : {".spread.", ".margin.", ".residual", "time_s.", ".history"})
     if (name.find(hidden) != std::string_view::npos) return false;
   if (name == "mesh.triangles") return true;

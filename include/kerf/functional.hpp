@@ -48,6 +48,7 @@ struct EdgeCrackNorm {
   std::vector<Index> labels = {};
   std::array<double, 3> depth = {}, weight = {}, bend = {};  // depths over the length
 };
+
 struct LargestStress;  // kerf/max_stress.hpp
 
 /// One term. Parts that are empty do not occur.

@@ -31,10 +31,21 @@ constexpr std::array<View, 9> element_names{
     "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
 constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
 constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
-constexpr std::array<View, 15> functional_kinds{
-    "energy",       "compliance",   "volume",     "displacement_tracking", "boundary_tracking",
-    "displacement", "stress_power", "stress_pnorm", "max_stress",          "misfit",
-    "energy_release_rate", "crack_opening", "crack_pressure", "worst_edge_crack", "sum"};
+constexpr std::array<View, 15> functional_kinds{"energy",
+                                                "compliance",
+                                                "volume",
+                                                "displacement_tracking",
+                                                "boundary_tracking",
+                                                "displacement",
+                                                "stress_power",
+                                                "stress_pnorm",
+                                                "max_stress",
+                                                "misfit",
+                                                "energy_release_rate",
+                                                "crack_opening",
+                                                "crack_pressure",
+                                                "worst_edge_crack",
+                                                "sum"};
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};

@@ -76,7 +76,7 @@ std::optional<Dimension> dimension_of(const Functional& j) {
     std::string_view kind;
     Dimension dimension;
   };
-  const std::array<Known, 13> known{{{"energy", dimension::energy},
+  const std::array<Known, 14> known{{{"energy", dimension::energy},
                                      {"compliance", dimension::energy},
                                      {"misfit", dimension::energy},
                                      {"volume", dimension::area},
