@@ -90,10 +90,14 @@ LocalStress fit_stress(const Eigen::Matrix<double, 3, samples>& values, const Ve
   return stress;
 }
 
-EdgeIntensity intensity(const Mouths& mouths, const LocalStress& stress, const MouthAt& at, double beta) {
+namespace {
+
+/// `sliding`: the column of a sense.
+template <class Sliding>
+EdgeIntensity intensity_of(const OpenMouth& open, const Sliding& sliding, double friction, const LocalStress& stress,
+                           const MouthAt& at, double beta) {
   const Loads loads = loads_on(stress, at, beta);
   const double bend = at.curvature * at.length, root = std::sqrt(pi * at.length);
-  const OpenMouth open = mouths.open(beta);
   const auto K = [&](std::size_t mode) {
     return root * (sum(open.K[mode][0], loads.normal, bend) + sum(open.K[mode][1], loads.shear, bend));
   };
@@ -101,24 +105,33 @@ EdgeIntensity intensity(const Mouths& mouths, const LocalStress& stress, const M
   if (found.K_I > 0) return found;
   found.closed = true;
   found.K_I = 0;
-  const double sense = sum(mouths.sliding(beta, 1), loads.shear, bend) < 0 ? -1 : 1;
-  const Column sliding = mouths.sliding(beta, sense);
-  const double driven = sum(sliding, loads.shear, bend) + sense * mouths.friction() * sum(sliding, loads.normal, bend);
+  const double sense = sum(sliding(1.), loads.shear, bend) < 0 ? -1 : 1;
+  const Column column = sliding(sense);
+  const double driven = sum(column, loads.shear, bend) + sense * friction * sum(column, loads.normal, bend);
   found.K_II = sense * driven > 0 ? root * driven : 0;
   return found;
 }
 
+}  // namespace
+
+EdgeIntensity intensity(const Mouths& mouths, const LocalStress& stress, const MouthAt& at, double beta) {
+  return intensity_of(
+      mouths.open(beta), [&](double sense) { return mouths.sliding(beta, sense); }, mouths.friction(), stress, at,
+      beta);
+}
+
 double worst_angle(const Mouths& mouths, const LocalStress& stress, const MouthAt& at) {
-  const auto released = [&](double beta) {
-    const EdgeIntensity k = intensity(mouths, stress, at, beta);
-    return k.K_I * k.K_I + k.K_II * k.K_II;
-  };
-  constexpr int steps = 40;  // of 3 degrees; then a golden section in the two beside the best
-  const double least = Mouths::flattest, step = (pi - 2 * least) / steps;
+  const auto square = [](const EdgeIntensity& k) { return k.K_I * k.K_I + k.K_II * k.K_II; };
+  const auto released = [&](double beta) { return square(intensity(mouths, stress, at, beta)); };
+  // The angles that are known; then a golden section in the two intervals beside the best.
+  const std::vector<Mouths::Known>& known = mouths.known();
+  const double least = Mouths::flattest, step = known[1].angle - known[0].angle;
   double best = pi / 2, most = released(best);
-  for (int i = 0; i <= steps; ++i)
-    if (const double beta = least + i * step, value = released(beta); value > most * (1 + 1e-9))
-      best = beta, most = value;
+  for (const Mouths::Known& k : known) {
+    const auto sliding = [&k](double sense) { return sense < 0 ? k.back : k.forth; };
+    const double value = square(intensity_of(k.open, sliding, mouths.friction(), stress, at, k.angle));
+    if (value > most * (1 + 1e-9)) best = k.angle, most = value;
+  }
   double low = std::max(best - step, least), high = std::min(best + step, pi - least);
   const double golden = (std::sqrt(5.) - 1) / 2;
   double a = high - golden * (high - low), b = low + golden * (high - low);

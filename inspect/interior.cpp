@@ -7,10 +7,10 @@
 
 #include "base/parallel.hpp"
 #include "geometry/plane.hpp"
-#include "inspect/boundary.hpp"
 #include "inspect/recovered.hpp"
 #include "inspect/tops.hpp"
 #include "solver/stress.hpp"
+#include "topo/near.hpp"
 
 #include <fmt/format.h>
 
@@ -48,23 +48,24 @@ std::vector<InteriorCrack> interior_cracks(const RecoveredState& state, double l
                             "or more are wanted",
                             length, friction));
   const Mesh& mesh = state.model.mesh;
-  const std::vector<std::array<Vec2, 2>> sides = features(mesh);
+  std::vector<Vec2> middles(mesh.triangles.size());
+  for (std::size_t t = 0; t < middles.size(); ++t) middles[t] = centroid(mesh, static_cast<Index>(t));
+  const std::vector<Near> beside = nearest(state.model, {}, middles, 2 * length, 0);
   const std::vector<Vec2> singular = singular_points(state.model);
   std::vector<InteriorCrack> cracks(mesh.triangles.size());
   const double root = std::sqrt(pi * length / 2);
   parallel_for(static_cast<Index>(cracks.size()), state.model.threads, [&](Index first, Index last) {
     for (Index t = first; t < last; ++t) {
       InteriorCrack& crack = cracks[static_cast<std::size_t>(t)];
-      crack.at = centroid(mesh, t);
+      crack.at = middles[static_cast<std::size_t>(t)];
       const WorstCrack worst = worst_crack(state.stress.at_centroids.col(t), friction);
       crack.K_I = root * worst.K_I;
       crack.K_II = root * worst.K_II;
       crack.K = std::hypot(crack.K_I, crack.K_II);
       crack.direction = worst.direction;
       crack.closed = worst.closed;
-      crack.masked =
-          std::ranges::any_of(sides, [&](const auto& s) { return distance(crack.at, s[0], s[1]) < 2 * length; }) ||
-          std::ranges::any_of(singular, [&](const Vec2& x) { return (x - crack.at).norm() < 5 * length; });
+      crack.masked = beside[static_cast<std::size_t>(t)] != Near::Nothing ||
+                     std::ranges::any_of(singular, [&](const Vec2& x) { return (x - crack.at).norm() < 5 * length; });
     }
   });
   return cracks;

@@ -10,6 +10,8 @@
 
 #include "inspect/mouth.hpp"
 
+#include "base/parallel.hpp"
+
 #include <fmt/format.h>
 #include <Eigen/LU>
 
@@ -196,25 +198,33 @@ Column sliding_mouth(double beta, double friction, int points) {
 
 // Mirrored about the normal, N stays and T changes its sign: K of the diagonal is even in beta - 90 degrees, the rest
 // odd, and sliding with friction is that of the mirror image with the opposite sign of friction.
-Mouths::Mouths(double friction) : friction_(friction) {
-  constexpr std::size_t count = 15;
-  for (std::size_t i = 0; i < count; ++i)
-    nodes_.push_back(pi / 2 + (pi / 2 - flattest) * std::cos((2 * static_cast<double>(i) + 1) * pi / (2. * count)));
+Mouths::Mouths(double friction, int threads) : friction_(friction) {
+  constexpr Index count = 15;
+  for (Index i = 0; i < count; ++i)
+    nodes_.push_back(pi / 2 + (pi / 2 - flattest) * std::cos((2. * i + 1) * pi / (2. * count)));
   open_.resize(count);
   sliding_.resize(count);
-  for (std::size_t i = 0; 2 * i < count; ++i) {
-    const std::size_t mirror = count - 1 - i;
-    constexpr int points = 60;
-    const Curved e = curved(nodes_[i], points);
-    open_[mirror] = open_[i] = open_mouth_of(e);
-    sliding_[mirror] = sliding_mouth_of(e, -friction);
-    sliding_[i] = sliding_mouth_of(e, friction);
-    if (mirror == i) continue;
-    for (std::size_t load = 0; load < 2; ++load) {
-      Column& odd = open_[mirror].K[1 - load][load];
-      odd = {};
-      add(odd, -1, open_[i].K[1 - load][load]);
+  parallel_for(count / 2 + 1, threads, [&](Index first, Index last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      const std::size_t mirror = count - 1 - i;
+      constexpr int points = 60;
+      const Curved e = curved(nodes_[i], points);
+      open_[i] = open_mouth_of(e);
+      sliding_[mirror] = sliding_mouth_of(e, -friction);
+      sliding_[i] = sliding_mouth_of(e, friction);
+      if (mirror == i) continue;
+      open_[mirror] = open_[i];
+      for (std::size_t load = 0; load < 2; ++load) {
+        Column& odd = open_[mirror].K[1 - load][load];
+        odd = {};
+        add(odd, -1, open_[i].K[1 - load][load]);
+      }
     }
+  });
+  constexpr int steps = 40;
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = flattest + i * (pi - 2 * flattest) / steps;
+    known_.push_back({angle, open(angle), sliding(angle, 1), sliding(angle, -1)});
   }
 }
 

@@ -38,10 +38,19 @@ Column sliding_mouth(double beta, double friction, int points = 60);
 /// The same at any angle between `flattest` and 180 degrees less that, interpolated; and how well: 1e-4.
 class Mouths {
  public:
-  explicit Mouths(double friction);
+  explicit Mouths(double friction, int threads = 1);
   OpenMouth open(double beta) const;
   /// `sense`: the sign of the shear.
   Column sliding(double beta, double sense) const;
+  /// The same at angles that are looked at often, from one end to the other.
+  struct Known {
+    double angle = 0;
+    OpenMouth open;
+    Column forth, back;  // sliding, sense +1 and -1
+  };
+  const std::vector<Known>& known() const {
+    return known_;
+  }
   double friction() const {
     return friction_;
   }
@@ -52,6 +61,7 @@ class Mouths {
   std::vector<double> nodes_;
   std::vector<OpenMouth> open_;
   std::vector<Column> sliding_;  // sense +1; the other one is its mirror image
+  std::vector<Known> known_;
 };
 
 }  // namespace kerf::inspect

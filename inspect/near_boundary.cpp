@@ -50,7 +50,7 @@ std::shared_ptr<const RecoveredState> recover_state(const Model& model, const St
 }
 
 NearBoundary::NearBoundary(const RecoveredState& state, double friction, bool pressurized)
-    : state_(state), model_(state.model), mouths_(friction), pressurized_(pressurized) {
+    : state_(state), model_(state.model), mouths_(friction, state.model.threads), pressurized_(pressurized) {
   constexpr int per_edge = 3;
   places_ = places_along(model_, per_edge);
   corners_ = reentrant_corners(state);
