@@ -21,14 +21,16 @@ namespace kerf {
 namespace {
 
 constexpr std::string_view sheet =
-    "body{font:10pt/1.35 sans-serif;margin:12mm auto;max-width:186mm;color:#111}h1{font-size:15pt;margin:0 0 2mm}"
-    "h2{font-size:11pt;margin:4mm 0 1mm}h3{font-size:10pt;margin:3mm 0 1mm}p{margin:1mm 0}"
-    "pre{font-size:8pt;background:#f4f4f4;padding:2mm;margin:1mm 0;white-space:pre-wrap}"
-    "table{border-collapse:collapse;font-size:8.5pt}th,td{border-bottom:.2mm solid #bbb;padding:.5mm 1.5mm;"
-    "text-align:right}img{max-width:100%;max-height:90mm;display:block;margin:1mm auto}"
-    "@page{size:A4;margin:10mm}@media print{body{margin:0;max-width:none}}";
+    "body{font:8.5pt/1.25 sans-serif;margin:12mm auto;max-width:190mm;color:#111}h1{font-size:13pt;margin:0 0 1mm}"
+    "h2{font-size:10pt;margin:2.5mm 0 .5mm}h3{font-size:9pt;margin:2mm 0 .5mm}p{margin:.7mm 0}"
+    "pre{font-size:6.5pt;line-height:1.15;background:#f4f4f4;padding:1.5mm;margin:.5mm "
+    "0;columns:2;white-space:pre-wrap}"
+    "table{border-collapse:collapse;font-size:7.5pt}th,td{border-bottom:.2mm solid #bbb;padding:.3mm "
+    "1.2mm;white-space:nowrap;"
+    "text-align:right}img{max-width:100%;max-height:58mm;display:block;margin:1mm auto}"
+    "@page{size:A4;margin:10mm}@media print{body{margin:0;max-width:none;zoom:.8}}";
 
-/// The tables of a case that say what the part is: lines from their heads to the next one, without empty ones.
+/// The tables of a case that say what the part is, as HTML: lines from their heads to the next one, without empty ones.
 std::string tables_of_case(const std::string& text) {
   constexpr std::array<std::string_view, 10> wanted{"units",     "material", "region", "boundary", "load",
                                                     "load_case", "body",     "define", "map",      "inspect"};
@@ -43,7 +45,7 @@ std::string tables_of_case(const std::string& text) {
       keep = from != std::string::npos &&
              std::ranges::find(wanted, std::string_view(line).substr(from, to - from)) != wanted.end();
     }
-    if (keep && line.find_first_not_of(" \t\r") != std::string::npos) out += line + '\n';
+    if (keep && line.find_first_not_of(" \t\r") != std::string::npos) out += escape_html(line) + '\n';
   }
   return out;
 }
@@ -99,7 +101,7 @@ std::string inspection_page(const Result& r, const std::string& case_text, std::
   out += fmt::format(". Cracks of length {}{}.</p>\n", pretty(e.length),
                      with_blank(escape_html(unit(r.units, dimension::length))));
   if (const std::string given = tables_of_case(case_text); !given.empty())
-    out += "<h2>Material, loads and law, as given</h2>\n<pre>" + escape_html(given) + "</pre>\n";
+    out += "<h2>Material, loads and law, as given</h2>\n<pre>" + given + "</pre>\n";
   if (!picture.empty())
     out += fmt::format(
         "<h2>Map</h2>\n<img alt=\"the part, its boundary in colors of K\" "

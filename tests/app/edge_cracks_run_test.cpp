@@ -94,7 +94,7 @@ TEST(EdgeCracksRun, FilesAndResultsThereAndBack) {
   EXPECT_EQ(again.edge_cracks->inside[0].K, e.inside[0].K);
   EXPECT_EQ(again.edge_cracks->masked_by, e.masked_by);
   const std::string page = bytes(out / "inspect.html");
-  for (const char* words : {"damage tolerance", "kind = &quot;paris&quot;", "Not covered", "data:image/png;base64,",
+  for (const char* words : {"damage tolerance", "= &quot;paris&quot;", "Not covered", "data:image/png;base64,",
                             "inspect every", "support "})
     EXPECT_NE(page.find(words), std::string::npos) << words;
   EXPECT_EQ(page.find("<script"), std::string::npos);
