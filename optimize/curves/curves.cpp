@@ -42,15 +42,17 @@ using Eigen::VectorXd;
 
 // Lengths relative to the mesh size.
 constexpr double first_step = 0.5, largest_step = 1.5, least_step = 1e-3;  // of a step
-constexpr double shortest_strained = 0.1;   // steps beyond which a mesh that does not follow is no reason for a new one
-constexpr double least_radius = 0.4;        // of arcs, so that meshes can tell
-constexpr double largest_angle = 0.35;      // a knot may turn by in a step
-constexpr double sharpest = 0.9;            // turn of an arc, in half turns
-constexpr double area_error = 1e-7;         // of the area wanted
-constexpr double mesh_noise = 1e-3;         // of J between meshes of like size
-constexpr double too_little = 1e-9;         // of J, predicted: nothing is to be gained
-constexpr double no_price = 0.05;           // of J per area: below, that is what residuals are relative to
-constexpr double stress_noise = 5e-3;       // of J
+constexpr double shortest_strained = 0.1;  // steps beyond which a mesh that does not follow is no reason for a new one
+constexpr double least_radius = 0.4;       // of arcs, so that meshes can tell
+constexpr double largest_angle = 0.35;     // a knot may turn by in a step
+constexpr double sharpest = 0.9;           // turn of an arc, in half turns
+constexpr double area_error = 1e-7;        // of the area wanted
+constexpr double mesh_noise = 1e-3;        // of J between meshes of like size
+constexpr double too_little = 1e-9;        // of J, predicted: nothing is to be gained
+constexpr double no_price = 0.05;          // of J per area: below, that is what residuals are relative to
+constexpr double stress_noise = 5e-3;      // of J
+constexpr double of_a_box = 0.03;  // of J, price of a violation in a box at least: some forty are at their bound
+constexpr double far_above = 0.1, least_pull = 0.05;
 constexpr double least_stress_step = 0.03;  // of a step where largest stresses count: finer meshes say how to go on
 constexpr const char* own_mesh = "a mesh of its own";
 constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
@@ -175,11 +177,18 @@ class CurvesRun {
   Eigen::Index first_bound() const {
     return bounded_ ? 1 : 0;
   }
+  /// The share of the gradient of J that steps follow: little where stresses are far above their bounds, for which
+  /// steps first make up.
+  double pull(const Point& x) const {
+    if (!stressed_) return 1;
+    return std::clamp(1 - x.bound.maxCoeff() / far_above, least_pull, 1.0);
+  }
   VectorXd make_room(Linearized& all, const Eigen::LLT<MatrixXd>& H,
                      const std::function<double(const VectorXd& step)>& reach) const;
   VectorXd soften(Linearized& all, const Eigen::LLT<MatrixXd>& H,
                   const std::function<double(const VectorXd& step)>& reach) const;
   void look_at_stresses();
+  double follow_finer();
   bool follow_stresses();
   void tighten(const std::vector<double>& limits);
 
@@ -481,6 +490,8 @@ void CurvesRun::begin_curvature(const Point& x) {
   steady(B_, angles_of(x.curves), 1e-9);
   dearest_ = VectorXd::Zero(first_bound() + x.bound.size());
   multiplier_ = dearest_;
+  for (const RowsOfBound& rows : rows_of_)
+    if (rows.count > 1) dearest_.segment(first_bound() + rows.first, rows.count).setConstant(of_a_box * std::abs(x.J));
 }
 
 /// Damped BFGS of the Lagrangian [Powell 1978].
@@ -543,7 +554,7 @@ VectorXd CurvesRun::make_room(Linearized& all, const Eigen::LLT<MatrixXd>& H,
 VectorXd CurvesRun::step_within(const Point& x, double radius) {
   Linearized all = linearized(x);
   const NormalMoves moves = normal_moves(x.curves);
-  const VectorXd g = gradient(x);
+  const VectorXd g = pull(x) * gradient(x);
   const Eigen::LLT<MatrixXd> H = cholesky(B_);
   ChainLimits most;
   for (const double part : share_) {
@@ -791,6 +802,10 @@ bool CurvesRun::remesh(const DesignCurves& d, const std::string& note) {
   out_.rows.back().note = note;
   x_ = std::move(*y);
   track_.clear();
+  if (stressed_) {
+    look_at_stresses();
+    follow_finer();
+  }
   return show();
 }
 
@@ -886,13 +901,13 @@ void CurvesRun::look_at_stresses() try {
   if (!of_one_body(error)) throw;
 }
 
-/// The factors of largest stresses follow what the finer mesh has found. Whether there is a reason to go on.
-bool CurvesRun::follow_stresses() {
-  constexpr double unused = 0.004;  // of a bound
-  if (!out_.finer) return false;
+/// The factors of largest stresses follow what the finer mesh has found; designs that keep their bounds there are
+/// kept. The least share of a bound that is left.
+double CurvesRun::follow_finer() {
+  double least = infinity;
+  if (!out_.finer) return least;
   const bool kept = out_.finer->violation < feasible_violation;
   if (kept && (!kept_ || x_.J < kept_->J)) kept_ = x_, kept_finer_ = *out_.finer, kept_full_ = full_;
-  double least = infinity;  // of the room that is left
   for (std::size_t i = 0; i < rows_of_.size(); ++i) {
     const auto& [b, first, count] = rows_of_[i];
     if (count == 1) continue;
@@ -908,6 +923,16 @@ bool CurvesRun::follow_stresses() {
     }
     x_.bounds[b] = most * (1 + x_.bound.segment(first, count).maxCoeff());
   }
+  lowest_.reset();
+  return least;
+}
+
+/// Whether there is a reason to go on.
+bool CurvesRun::follow_stresses() {
+  constexpr double unused = 0.004;  // of a bound
+  const double least = follow_finer();
+  if (!out_.finer) return false;
+  const bool kept = out_.finer->violation < feasible_violation;
   std::vector<double> now;
   for (const FunctionalBound& bound : r_.bounds) now.push_back(bound.at_most);
   if (const std::vector<double> tight = with_more_room(*out_.finer, asked_, now, x_.bounds); !tight.empty())
@@ -916,7 +941,6 @@ bool CurvesRun::follow_stresses() {
   ++rooms_;
   weigh(x_);
   best_.reset();
-  lowest_.reset();
   track_.clear();
   radius_ = std::max(radius_, 0.15 * size_);
   return true;
