@@ -35,7 +35,7 @@ const LargestStress* largest_of(const Functional& j);
 inline constexpr double idle_box = -1;
 
 /// Per box (factor * largest stress)/at_most - 1, and its derivatives by the variables of the curves, a column each:
-/// those of the norm over the box, scaled to the largest stress. Boxes below 0.7 of the bound are idle.
+/// those of the norm over the box, scaled to the largest stress. Boxes below 0.75 of the bound are idle.
 struct StressRows {
   Eigen::VectorXd value;
   Eigen::MatrixXd by;
