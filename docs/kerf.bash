@@ -143,6 +143,9 @@ functional.direction
 functional.measured
 functional.p
 functional.length
+functional.of
+functional.except.ends
+functional.except.supports
 functional.ring
 functional.weight
 functional.terms[0].kind
@@ -154,6 +157,9 @@ functional.terms[0].direction
 functional.terms[0].measured
 functional.terms[0].p
 functional.terms[0].length
+functional.terms[0].of
+functional.terms[0].except.ends
+functional.terms[0].except.supports
 functional.terms[0].ring
 functional.terms[0].weight
 functional.terms[0].factor
@@ -278,6 +284,9 @@ optimize.bound[0].direction
 optimize.bound[0].measured
 optimize.bound[0].p
 optimize.bound[0].length
+optimize.bound[0].of
+optimize.bound[0].except.ends
+optimize.bound[0].except.supports
 optimize.bound[0].ring
 optimize.bound[0].weight
 optimize.bound[0].terms[0].kind
@@ -289,6 +298,9 @@ optimize.bound[0].terms[0].direction
 optimize.bound[0].terms[0].measured
 optimize.bound[0].terms[0].p
 optimize.bound[0].terms[0].length
+optimize.bound[0].terms[0].of
+optimize.bound[0].terms[0].except.ends
+optimize.bound[0].terms[0].except.supports
 optimize.bound[0].terms[0].ring
 optimize.bound[0].terms[0].weight
 optimize.bound[0].terms[0].factor
