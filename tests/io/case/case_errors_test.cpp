@@ -24,6 +24,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"youg = 1", "a.toml:7:1: unknown key \"youg\" in [material]; did you mean \"young\"?"},
         Wrong{"density = 1",
               "a.toml:7:1: unknown key \"density\" in [material]; known: young, poisson, shear, angle, thickness, "
+              "yield, toughness, release_rate, "
               "eigenstrain, state"},
         Wrong{"[mehs]\nsize = 1", "a.toml:7:2: unknown key \"mehs\"; did you mean \"mesh\"?"},
         Wrong{"[mesh]\n  szie = 1", "a.toml:8:3: unknown key \"szie\" in [mesh]; did you mean \"size\"?"},
@@ -248,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[region]]\nname = 'r'\nstate = 'plane stress'",
               "a.toml:9:1: unknown key \"state\" in [[region]]; known: name, circle, ellipse, polygon, outline, young, "
               "poisson, "
-              "shear, angle, eigenstrain"},
+              "shear, angle, yield, toughness, release_rate, eigenstrain"},
         Wrong{"[[region]]\nname = '../r'",
               "a.toml:8:8: name in [[region]] must be a name of letters, digits, _ . or - (1 to 100), not \"../r\""},
         Wrong{"[[region]]\nname = 'r'\npolygon = [[1, 0.2], [1.2, 0.2], [1.2, 0.4]]\nyoung = 1\npoisson = 0\n"
