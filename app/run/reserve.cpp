@@ -36,6 +36,11 @@ std::string name_of_region(const Shape& shape, Index region) {
   return region == none ? std::string() : shape.regions[static_cast<std::size_t>(region)].name;
 }
 
+const Strength* strength_of(const Case& c, const std::string& region) {
+  const auto found = std::ranges::find(c.strength, region, &Strength::region);
+  return found == c.strength.end() ? nullptr : &*found;
+}
+
 /// The values at corners of triangles of one region; not a number elsewhere.
 Eigen::VectorXd in_region(const Mesh& mesh, const PlotData& data, Index region) {
   Eigen::VectorXd out = Eigen::VectorXd::Constant(data.von_mises.size(), nan);
@@ -67,7 +72,9 @@ void add_tips(const Case& c, const std::vector<CrackResult>& cracks, std::vector
   for (const CrackResult& crack : cracks)
     for (const TipResult& tip : crack.tips) {
       const Index region = region_at(c.shape, tip.at);
-      const Strength& bears = c.strength[static_cast<std::size_t>(region + 1)];
+      const Strength* const found = strength_of(c, name_of_region(c.shape, region));
+      if (!found) continue;
+      const Strength& bears = *found;
       std::optional<ReserveResult> r;
       if (bears.toughness && tip.K_I && tip.K_II)
         r = against("toughness", std::hypot(std::max(*tip.K_I, 0.0), *tip.K_II), *bears.toughness, tip.at);
@@ -89,13 +96,15 @@ std::vector<ReserveResult> reserves_of(const Case& c, const Model& model, const 
   std::vector<ReserveResult> out;
   if (c.strength.empty()) return out;
   const SingularZones zones = singular_zones(model, extent(c.shape));
-  for (std::size_t k = 0; k < c.strength.size(); ++k) {
-    if (!c.strength[k].yield) continue;
-    const Index region = static_cast<Index>(k) - 1;
-    const auto largest = largest_in(model, data, state, zones, region, c.strength.size() == 1);
+  // By name: a design may have other regions than the case.
+  const auto regions = static_cast<Index>(c.shape.regions.size());
+  for (Index region = none; region < regions; ++region) {
+    const Strength* const bears = strength_of(c, name_of_region(c.shape, region));
+    if (!bears || !bears->yield) continue;
+    const auto largest = largest_in(model, data, state, zones, region, regions == 0);
     if (!largest) continue;
-    out.push_back(against("yield", largest->value, *c.strength[k].yield, largest->at));
-    out.back().region = name_of_region(c.shape, region);
+    out.push_back(against("yield", largest->value, *bears->yield, largest->at));
+    out.back().region = bears->region;
   }
   add_tips(c, cracks, out);
   std::ranges::stable_sort(out, {}, &ReserveResult::factor);

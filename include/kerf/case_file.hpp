@@ -96,6 +96,7 @@ struct Elastic {
 
 /// What a material bears, as far as the case says it.
 struct Strength {
+  std::string region = {};                  // its name; none: outside of all regions
   std::optional<double> yield = {};         // von Mises stress
   std::optional<double> toughness = {};     // K_Ic
   std::optional<double> release_rate = {};  // G_c, instead

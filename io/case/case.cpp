@@ -69,7 +69,10 @@ void read_strength(const Value& document, const std::vector<std::optional<Value>
   };
   const auto says_something = [](const Strength& s) { return s.yield || s.toughness || s.release_rate; };
   std::vector<Strength> all{read(*find_table(document, "material"))};
-  for (const std::optional<Value>& region : regions) all.push_back(region ? read(*region) : all.front());
+  for (std::size_t k = 0; k < std::min(regions.size(), c.shape.regions.size()); ++k) {
+    all.push_back(regions[k] ? read(*regions[k]) : all.front());
+    all.back().region = c.shape.regions[k].name;
+  }
   if (std::ranges::any_of(all, says_something)) c.strength = std::move(all);
 }
 

@@ -284,6 +284,20 @@ TEST_F(Commands, SolveSaysTheReserve) {
   EXPECT_NEAR(r["state"]["reserve"][0]["value"], 1, 1e-9);
 }
 
+// Of each material its own largest stress; a region that says nothing of its strength is not judged. A soft disc in
+// tension takes less stress than the plate around it.
+TEST_F(Commands, SolveSaysTheReserveOfEachMaterial) {
+  const std::string disc =
+      "[[region]]\nname = \"soft\"\ncircle = { center = [0.5, 0.5], radius = 0.2 }\nyoung = 0.5\npoisson = 0.3\n";
+  const json both = result("solve", pulled + disc + "yield = 1\n", {"material.yield=1"})["state"]["reserve"];
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_FALSE(both[0].contains("region"));
+  EXPECT_EQ(both[1]["region"], "soft");
+  EXPECT_GT(both[0]["value"], 1.2);
+  EXPECT_LT(both[1]["value"], 0.9);
+  EXPECT_EQ(result("solve", pulled + disc, {"material.yield=1"})["state"]["reserve"].size(), 1u);
+}
+
 // K of a tip, its toughness in the region in which it lies; G_c = K_Ic^2/E says the same.
 TEST_F(Commands, SolveSaysTheReserveOfATip) {
   const json r = result("solve", pulled + crack, {"material.toughness=3"});
