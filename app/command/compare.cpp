@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <functional>
 #include <map>
 
 namespace kerf {
@@ -50,22 +50,15 @@ void add_keys(const Node& node, const std::string& path, int run, Paired& to) {
   }
 }
 
-std::optional<double> number_in_cell(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = !text.empty() && error == std::errc() && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
 bool differ(const std::array<std::string, 2>& pair) {
   constexpr double digits = 1e-12;
-  const auto a = number_in_cell(pair[0]), b = number_in_cell(pair[1]);
+  const auto a = number_in(pair[0]), b = number_in(pair[1]);
   if (a && b) return std::abs(*a - *b) > digits * std::max(std::abs(*a), std::abs(*b));
   return pair[0] != pair[1];
 }
 
 std::string change(const std::array<std::string, 2>& pair) {
-  const auto a = number_in_cell(pair[0]), b = number_in_cell(pair[1]);
+  const auto a = number_in(pair[0]), b = number_in(pair[1]);
   if (!a || !b) return "";
   return *a == 0 ? fmt::format("{:+.4g}", *b - *a)
                  : fmt::format("{:+.4g} ({:+.3g} %)", *b - *a, 100 * (*b - *a) / std::abs(*a));
@@ -73,7 +66,7 @@ std::string change(const std::array<std::string, 2>& pair) {
 
 std::string shown_cell(const std::string& cell) {
   constexpr std::size_t longest = 120;
-  if (const auto value = number_in_cell(cell)) return fmt::format("{:.8g}", *value);
+  if (const auto value = number_in(cell)) return fmt::format("{:.8g}", *value);
   if (cell.empty()) return "–";
   return escape_html(cell.size() > longest ? cell.substr(0, longest) + " ..." : cell);
 }

@@ -12,19 +12,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 namespace kerf {
 
 namespace {
-
-double number_of(const std::string& cell) {
-  double value = nan;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  return error == std::errc() && end == cell.data() + cell.size() && !cell.empty() ? value : nan;
-}
 
 /// The column of the margin of a quantity: "tips.end.margin.K_I" of "tips.end.K_I", "max_von_mises.margin" of
 /// "max_von_mises.value".
@@ -46,7 +39,7 @@ std::map<std::string, std::vector<const SweepTable::Row*>> studies(const SweepTa
   }
   for (auto& [with, rows] : out)
     std::ranges::sort(rows, std::ranges::greater{},
-                      [&](const SweepTable::Row* row) { return number_of(row->values[key]); });
+                      [&](const SweepTable::Row* row) { return number_in(row->values[key]).value_or(nan); });
   return out;
 }
 
@@ -84,12 +77,12 @@ std::vector<Convergence> convergence_of(const SweepTable& table, const std::stri
       if (!table.is_number[column] || table.columns[column].starts_with("mesh.")) continue;
       Convergence c{.of = table.columns[column], .with = with};
       for (std::size_t k = 0; k < 3; ++k) {
-        c.size[k] = number_of(rows[k]->values[key]);
-        c.value[k] = number_of(rows[k]->cells[column]);
+        c.size[k] = number_in(rows[k]->values[key]).value_or(nan);
+        c.value[k] = number_in(rows[k]->cells[column]).value_or(nan);
       }
       if (!std::ranges::all_of(c.value, [](double v) { return std::isfinite(v); })) continue;
       if (const auto said = place.find(margin_of(c.of)); said != place.end())
-        c.said = number_of(rows[2]->cells[said->second]);
+        c.said = number_in(rows[2]->cells[said->second]).value_or(nan);
       extrapolate(c);
       all.push_back(std::move(c));
     }

@@ -42,13 +42,6 @@ svg .axis { stroke: var(--line); fill: none; }
 svg .curve { fill: none; stroke-width: 1.6; }
 )";
 
-std::optional<double> number_in(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 std::string label(const SweepTable& table, const SweepTable::Row& row, std::size_t but) {
   std::string out;
   for (std::size_t k = 0; k < table.keys.size(); ++k)
@@ -178,6 +171,13 @@ std::string table_of(const SweepTable& table) {
 }
 
 }  // namespace
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
 
 void add_result(SweepTable& table, SweepTable::Row& row, const std::vector<Leaf>& leaves) {
   row.cells.resize(table.columns.size());

@@ -25,6 +25,9 @@ struct SweepTable {
 /// What a result says goes to the cells of its row; columns that no row had before are added.
 void add_result(SweepTable& table, SweepTable::Row& row, const std::vector<Leaf>& leaves);
 
+/// The number that a cell is, if it is a finite one.
+std::optional<double> number_in(const std::string& cell);
+
 /// Quantities of result.json that engineers read first, not residuals, sizes and times.
 bool is_usual(std::string_view name);
 

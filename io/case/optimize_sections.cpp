@@ -204,14 +204,14 @@ std::vector<FunctionalBound> read_bounds(const Value& table, const std::filesyst
 /// Regions that stay void, in the order of their places.
 std::vector<Loop> read_keep_out(const Value& table, const std::vector<LoadCase>& load_cases, const Case& c) {
   std::vector<Loop> read;
+  Scene all = c.scene;
+  for (const LoadCase& one : load_cases)
+    all.tractions.insert(all.tractions.end(), one.tractions.begin(), one.tractions.end());
   for (const Value& entry : find_tables(table, "keep_out")) {
     allow_only(entry);
     const auto given = find(entry, "name");
     read.push_back(
         read_loop(entry, given ? new_name(*given, read) : fmt::format("keep_out_{}", read.size() + 1), none));
-    Scene all = c.scene;
-    for (const LoadCase& one : load_cases)
-      all.tractions.insert(all.tractions.end(), one.tractions.begin(), one.tractions.end());
     if (const auto why = wrong_keep_out(c.shape, all, read.back())) fail(entry.node->position, *why);
   }
   std::ranges::stable_sort(read, [](const Loop& a, const Loop& b) { return begins_before(a, b); });

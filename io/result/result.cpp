@@ -266,23 +266,26 @@ Json life_of(const GrowthResult& growth, double cycles) {
   return Json::array({number(cycles - growth.cycles_error), number(cycles + growth.cycles_error)});
 }
 
+Json grown_tips(const growth::GrowthStep& step) {
+  Json tips = Json::array();
+  for (const growth::GrownTip& t : step.tips) {
+    Json tip = {{"tip", t.name}, {"at", place_of(t.at)}};
+    for (const auto& [name, member] : columns_of_tip) tip[name] = number(t.*member);
+    if (t.in) tip["bounds"] = intervals(*t.in, intervals_of_tip);
+    tips.push_back(std::move(tip));
+  }
+  return tips;
+}
+
 Json growth_section(const GrowthResult& growth) {
   Json steps = Json::array();
-  for (const growth::GrowthStep& s : growth.steps) {
-    Json tips = Json::array();
-    for (const growth::GrownTip& t : s.tips) {
-      Json tip = {{"tip", t.name}, {"at", place_of(t.at)}};
-      for (const auto& [name, member] : columns_of_tip) tip[name] = number(t.*member);
-      if (t.in) tip["bounds"] = intervals(*t.in, intervals_of_tip);
-      tips.push_back(std::move(tip));
-    }
+  for (const growth::GrowthStep& s : growth.steps)
     steps.push_back({{"step", s.number},
                      {"cycles", number(s.cycles)},
                      {"load", number(s.load)},
                      {"potential", number(s.potential)},
                      {"solves", s.solves},
-                     {"tips", std::move(tips)}});
-  }
+                     {"tips", grown_tips(s)}});
   Json out = {{"law", growth.law},
               {"criterion", growth.criterion},
               {"ended", growth.ended},
@@ -295,15 +298,9 @@ Json growth_section(const GrowthResult& growth) {
               {"steps", std::move(steps)}};
   if (!growth.steps.empty()) {
     const growth::GrowthStep& last = growth.steps.back();
-    Json tips = Json::array();
-    for (const growth::GrownTip& t : last.tips) {
-      Json tip = {{"tip", t.name}, {"at", place_of(t.at)}};
-      for (const auto& [name, member] : columns_of_tip) tip[name] = number(t.*member);
-      tips.push_back(std::move(tip));
-    }
     out["cycles"] = number(last.cycles);
     out["life"] = life_of(growth, last.cycles);
-    out["tips"] = std::move(tips);
+    out["tips"] = grown_tips(last);
   }
   if (growth.unstable_from) out["unstable_from"] = *growth.unstable_from;
   if (growth.snaps_back_from) out["snaps_back_from"] = *growth.snaps_back_from;

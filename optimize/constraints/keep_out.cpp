@@ -18,23 +18,6 @@ namespace {
 
 constexpr double same_point = 1e-9;  // of the extent
 
-/// t in [from, to], whatever their order, with A cos t + B sin t + C = 0, as parts of the way.
-void add_roots(double A, double B, double C, double from, double to, std::vector<double>& parts) {
-  const double R = std::hypot(A, B);
-  if (!(R > std::abs(C))) return;
-  const double turn = to - from;
-  for (const double sign : {1.0, -1.0}) {
-    const double t = std::atan2(B, A) + sign * std::acos(-C / R);
-    for (int k = -3; k <= 3; ++k)
-      if (const double part = (t + 2 * pi * k - from) / turn; part > 0 && part < 1) parts.push_back(part);
-  }
-}
-
-bool is_circular(const Arc& arc) {
-  const double r = arc.axes.col(0).norm();
-  return (arc.axes.transpose() * arc.axes - r * r * Mat2::Identity()).norm() <= 1e-12 * r * r;
-}
-
 /// Where along a side the curve that carries another one is met: exact but for ellipses met by arcs, which are halved
 /// between samples.
 void add_meetings(const DrawnSide& s, const DrawnSide& other, std::vector<double>& parts) {
@@ -56,7 +39,7 @@ void add_meetings(const DrawnSide& s, const DrawnSide& other, std::vector<double
     const double a = d.squaredNorm(), half = d.dot(e), c = e.squaredNorm() - 1, root = half * half - a * c;
     if (root > 0)
       for (const double sign : {1.0, -1.0}) parts.push_back((-half + sign * std::sqrt(root)) / a);
-  } else if (is_circular(*s.arc) && is_circular(*other.arc)) {
+  } else if (is_round(*s.arc) && is_round(*other.arc)) {
     const Vec2 e = s.arc->center - other.arc->center;
     const double r = s.arc->axes.col(0).norm(), big = other.arc->axes.col(0).norm();
     add_roots(2 * e.dot(Vec2(s.arc->axes.col(0))), 2 * e.dot(Vec2(s.arc->axes.col(1))),
@@ -138,16 +121,16 @@ bool runs_along(const DrawnSide& piece, const Region& region) {
   return same > 0;
 }
 
-/// Sides of one curve that were cut in two where nothing of the other boundary begins.
+/// Straight sides that were cut in two where nothing of the other boundary begins.
 void join_halves(std::vector<DrawnSide>& loop, const std::vector<Vec2>& corners, double near) {
   for (std::size_t i = 0; i < loop.size() && loop.size() > 3;) {
     const std::size_t k = (i + 1) % loop.size();
     DrawnSide& s = loop[i];
     const DrawnSide& next = loop[k];
     const bool corner = std::ranges::any_of(corners, [&](const Vec2& x) { return (x - s.b).norm() <= near; });
-    const bool one = !corner && s.label == next.label && s.arc.has_value() == next.arc.has_value() &&
+    const bool one = !corner && !s.arc && !next.arc && s.label == next.label &&
                      cross(tangent(s, 1), tangent(next, 0)) == 0 && tangent(s, 1).dot(tangent(next, 0)) > 0;
-    if (!one || s.arc) {
+    if (!one) {
       ++i;
       continue;
     }
@@ -172,12 +155,6 @@ std::optional<std::vector<std::vector<DrawnSide>>> joined(std::vector<DrawnSide>
     loops.push_back(std::move(loop));
   }
   return loops;
-}
-
-Loop loop_of_sides(const std::string& name, const std::vector<DrawnSide>& sides) {
-  Loop loop{name, {}};
-  for (const DrawnSide& s : sides) loop.sides.push_back({s.a, s.label, s.arc, s.keep, s.smooth});
-  return loop;
 }
 
 [[noreturn]] void refuse_keep_out(const Loop& region, const std::string& why) {
@@ -225,13 +202,13 @@ Shape without(const Shape& body, const Loop& keep_out) {
     if (std::ranges::any_of(loop, [&](const DrawnSide& s) { return s.label == label; })) touched = true;
     if (signed_area(loop) > 0) {
       ++outlines;
-      out.outline = loop_of_sides(body.outline.name, loop);
+      out.outline = loop_of(body.outline.name, loop);
       continue;
     }
     std::string name = keep_out.name;
     for (const Loop& hole : before)
       if (!hole.sides.empty() && Region(hole).away(loop.front().a) <= near) name = hole.name;
-    out.holes.push_back(loop_of_sides(name, loop));
+    out.holes.push_back(loop_of(name, loop));
   }
   if (!touched && outlines == 1) return body;  // nothing of the body lies in it
   if (outlines == 0) refuse_keep_out(keep_out, "covers the whole body: nothing is left to design");

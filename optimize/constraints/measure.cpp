@@ -74,6 +74,17 @@ std::array<Vec2, 2> box_of_sides(const std::vector<DrawnSide>& sides) {
   return box;
 }
 
+/// Points of a lattice over the box of a region that lie in it, each with its depth there.
+template <typename Visit>
+void at_points_in(const Region& region, const Visit& visit) {
+  const auto [low, high] = box_of_sides(region.sides());
+  for (int i = 0; i < lattice; ++i)
+    for (int k = 0; k < lattice; ++k) {
+      const Vec2 x = low + Vec2((i + 0.5) / lattice, (k + 0.5) / lattice).cwiseProduct(high - low);
+      if (const double in = region.depth(x); in > 0) visit(x, in);
+    }
+}
+
 KeptConstraint of_volume_limit(const MeasuredDesign& d, double at_most) {
   KeptConstraint c{.kind = KeptConstraint::Kind::Volume,
                    .name = "volume",
@@ -161,18 +172,14 @@ Intrusion intrusion(const Shape& design, const Shape& frame, const Loop& frozen)
     if (peak.value > found.depth) found = {peak.value, at(side, peak.part), 0};
   }
   int solid = 0, empty = 0;
-  for (int i = 0; i < lattice; ++i)
-    for (int k = 0; k < lattice; ++k) {
-      const Vec2 x = low + Vec2((i + 0.5) / lattice, (k + 0.5) / lattice).cwiseProduct(high - low);
-      const double in = region.depth(x);
-      if (!(in > 0)) continue;
-      const double inside = std::min(in, whole.depth(x));
-      if (!(inside > 0)) continue;
-      const double depth = body.depth(x);
-      ++(depth < 0 ? empty : solid);
-      // It may be void without any boundary in it.
-      if (const double reach = std::min(inside, -depth); reach > found.depth) found.depth = reach, found.at = x;
-    }
+  at_points_in(region, [&](const Vec2& x, double in) {
+    const double inside = std::min(in, whole.depth(x));
+    if (!(inside > 0)) return;
+    const double depth = body.depth(x);
+    ++(depth < 0 ? empty : solid);
+    // It may be void without any boundary in it.
+    if (const double reach = std::min(inside, -depth); reach > found.depth) found.depth = reach, found.at = x;
+  });
   if (empty > 0) found.share = double(empty) / (empty + solid);
   return found;
 }
@@ -187,13 +194,10 @@ Intrusion solid_in(const Shape& design, const Loop& keep_out) {
     const Peak peak = peak_along(side, size / 64, found.depth, [&](const Vec2& x) { return region.depth(x); });
     if (peak.value > found.depth) found = {peak.value, at(side, peak.part), 0};
   }
-  for (int i = 0; i < lattice; ++i)
-    for (int k = 0; k < lattice; ++k) {
-      const Vec2 x = low + Vec2((i + 0.5) / lattice, (k + 0.5) / lattice).cwiseProduct(high - low);
-      // It may be solid without any boundary in it.
-      if (const double reach = std::min(region.depth(x), body.depth(x)); reach > found.depth)
-        found.depth = reach, found.at = x;
-    }
+  at_points_in(region, [&](const Vec2& x, double in) {
+    // It may be solid without any boundary in it.
+    if (const double reach = std::min(in, body.depth(x)); reach > found.depth) found.depth = reach, found.at = x;
+  });
   return found;
 }
 

@@ -81,15 +81,8 @@ class Halves {
     std::vector<double> parts;
     if (s.arc) {
       // side . (x(t) - p) = A cos t + B sin t + C
-      const double A = side_ * cross(along_, Vec2(s.arc->axes.col(0))),
-                   B = side_ * cross(along_, Vec2(s.arc->axes.col(1))), C = height(s.arc->center), R = std::hypot(A, B),
-                   turn = s.arc->to - s.arc->from;
-      if (R > std::abs(C))
-        for (const double sign : {1.0, -1.0}) {
-          const double t = std::atan2(B, A) + sign * std::acos(-C / R);
-          for (int k = -3; k <= 3; ++k)
-            if (const double part = (t + 2 * pi * k - s.arc->from) / turn; part > 0 && part < 1) parts.push_back(part);
-        }
+      add_roots(side_ * cross(along_, Vec2(s.arc->axes.col(0))), side_ * cross(along_, Vec2(s.arc->axes.col(1))),
+                height(s.arc->center), s.arc->from, s.arc->to, parts);
     } else if (const double a = height(s.a), b = height(s.b); (a < 0) != (b < 0)) {
       parts.push_back(a / (a - b));
     }
@@ -211,12 +204,6 @@ class Halves {
   Vec2 along_;
   double side_, near_;
 };
-
-Loop loop_of(const std::string& name, const std::vector<DrawnSide>& sides) {
-  Loop loop{name, {}};
-  for (const DrawnSide& s : sides) loop.sides.push_back({s.a, s.label, s.arc, s.keep, s.smooth});
-  return loop;
-}
 
 /// What acts on a point of the frame: the traction, and which components are held.
 struct Acting {

@@ -13,11 +13,6 @@ namespace kerf {
 
 namespace {
 
-bool is_round(const Arc& arc) {
-  const double r = arc.axes.col(0).norm();
-  return (arc.axes.transpose() * arc.axes - r * r * Mat2::Identity()).norm() <= 1e-12 * r * r;
-}
-
 double parameter_at(const Arc& arc, double part) {
   return arc.from + part * (arc.to - arc.from);
 }
@@ -50,6 +45,27 @@ double nearest_on_ellipse(const DrawnSide& side, const Vec2& x) {
 }
 
 }  // namespace
+
+bool is_round(const Arc& arc) {
+  const double r = arc.axes.col(0).norm();
+  return (arc.axes.transpose() * arc.axes - r * r * Mat2::Identity()).norm() <= 1e-12 * r * r;
+}
+
+void add_roots(double A, double B, double C, double from, double to, std::vector<double>& parts) {
+  const double R = std::hypot(A, B), turn = to - from;
+  if (!(R > std::abs(C))) return;
+  for (const double sign : {1.0, -1.0}) {
+    const double t = std::atan2(B, A) + sign * std::acos(-C / R);
+    for (int k = -3; k <= 3; ++k)
+      if (const double part = (t + 2 * pi * k - from) / turn; part > 0 && part < 1) parts.push_back(part);
+  }
+}
+
+Loop loop_of(const std::string& name, const std::vector<DrawnSide>& sides) {
+  Loop loop{name, {}};
+  for (const DrawnSide& s : sides) loop.sides.push_back({s.a, s.label, s.arc, s.keep, s.smooth});
+  return loop;
+}
 
 double signed_area(const std::vector<DrawnSide>& loop) {
   constexpr int pieces = 16;

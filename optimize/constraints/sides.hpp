@@ -25,6 +25,11 @@ Vec2 tangent(const DrawnSide& side, double part);  // of length 1
 double length(const DrawnSide& side);              // at most; exact but for ellipses
 /// The area to the left of a closed loop, for its sign: arcs are taken in pieces.
 double signed_area(const std::vector<DrawnSide>& loop);
+/// Adds the t with A cos t + B sin t + C = 0 between `from` and `to`, as parts in (0, 1) of the way.
+void add_roots(double A, double B, double C, double from, double to, std::vector<double>& parts);
+bool is_round(const Arc& arc);  // of a circle
+/// The loop that has these sides, one behind the other.
+Loop loop_of(const std::string& name, const std::vector<DrawnSide>& sides);
 /// Where on the side the point nearest to x lies. Exact for lines and circles, to rounding for ellipses.
 double nearest(const DrawnSide& side, const Vec2& x);
 

@@ -103,16 +103,19 @@ double Stiffening::derivative(double density) const {
   return (1 - least) * (rational ? (1 + exponent) / (below * below) : exponent * std::pow(density, exponent - 1));
 }
 
-// Body force goes to the corners of its cell in equal parts, in proportion to the density.
-Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Stiffening& law,
-                        const Eigen::VectorXd& density) {
-  Eigen::VectorXd relative = Eigen::VectorXd::Zero(density.size()), slope = relative;
-  for (const Index c : l.cells) relative[c] = law.stiffness(density[c]), slope[c] = law.derivative(density[c]);
-  Eigen::MatrixXd force = l.force;
+LoadedLattice loaded(const Lattice& l, const Stiffening& law, const Eigen::VectorXd& density) {
+  LoadedLattice out{Eigen::VectorXd::Zero(density.size()), Eigen::VectorXd::Zero(density.size()), l.force};
+  for (const Index c : l.cells) out.stiffness[c] = law.stiffness(density[c]), out.slope[c] = law.derivative(density[c]);
   for (std::size_t k = 0; k < l.body.size(); ++k)
     for (const Index c : l.cells)
       for (const Index v : l.corners(c))
-        force.block<2, 1>(2 * v, static_cast<Eigen::Index>(k)) += density[c] / 4 * l.body[k].col(c);
+        out.force.block<2, 1>(2 * v, static_cast<Eigen::Index>(k)) += density[c] / 4 * l.body[k].col(c);
+  return out;
+}
+
+Compliances compliances(const Lattice& l, LatticeStiffness& stiffness, const Stiffening& law,
+                        const Eigen::VectorXd& density) {
+  const auto [relative, slope, force] = loaded(l, law, density);
   const Eigen::MatrixXd u = stiffness.displacements(relative, force);
   Compliances all{force.cwiseProduct(u).colwise().sum().transpose(), Eigen::MatrixXd(density.size(), force.cols())};
   for (Eigen::Index k = 0; k < force.cols(); ++k) {

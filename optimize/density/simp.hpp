@@ -17,6 +17,14 @@ struct Stiffening {
 };
 
 /// Compliances per load case of a density per cell, in the lattice's units, and their derivatives [theory: P.4].
+/// What a density makes of a lattice: stiffness per cell and its slope, nodal forces per load case. Body force goes to
+/// the corners of its cell in equal parts, in proportion to the density.
+struct LoadedLattice {
+  Eigen::VectorXd stiffness, slope;
+  Eigen::MatrixXd force;
+};
+LoadedLattice loaded(const Lattice& lattice, const Stiffening& law, const Eigen::VectorXd& density);
+
 struct Compliances {
   Eigen::VectorXd value;
   Eigen::MatrixXd by_density;  // per cell and load case

@@ -148,14 +148,9 @@ StressedLattice::Sum StressedLattice::sum_of(const Bound& b, const Eigen::Vector
 // With K a = dS/du the derivative of a sum S is S_rho - E' a.K u + df/drho . a, in the unit of S to keep digits.
 StressedValues StressedLattice::at(const Eigen::VectorXd& density) {
   const Lattice& l = stage.lattice;
-  const Stiffening law;
-  Eigen::VectorXd relative = Eigen::VectorXd::Zero(density.size()), slope = relative;
-  for (const Index c : l.cells) relative[c] = law.stiffness(density[c]), slope[c] = law.derivative(density[c]);
-  Eigen::MatrixXd force = l.force;
-  for (std::size_t k = 0; k < l.body.size(); ++k)
-    for (const Index c : l.cells)
-      for (const Index v : l.corners(c))
-        force.block<2, 1>(2 * v, static_cast<Eigen::Index>(k)) += density[c] / 4 * l.body[k].col(c);
+  const LoadedLattice loads = loaded(l, {}, density);
+  const Eigen::VectorXd &relative = loads.stiffness, &slope = loads.slope;
+  const Eigen::MatrixXd& force = loads.force;
   const Eigen::MatrixXd u = stiffness_.displacements(relative, force);
   const Eigen::Index cases = force.cols(), bounds = static_cast<Eigen::Index>(bounds_.size());
   StressedValues v{.compliance = force.cwiseProduct(u).colwise().sum().transpose(),
