@@ -134,12 +134,20 @@ struct SolverResult {
 /// How far the loads are from what the material bears: factor = limit/value, of release rates its root, so that the
 /// factor is that of the loads where the response is proportional to them.
 struct ReserveResult {
-  std::string of;  // "yield", "toughness", "release_rate"
+  enum class Of { Yield, Toughness, ReleaseRate } of = Of::Yield;
   double value = 0, limit = 0, factor = 0;
   Vec2 at = Vec2::Zero();
   std::string region = {};  // none: outside all regions
   std::string crack = {};   // of tips
 };
+
+inline constexpr std::array<std::string_view, 3> reserve_words{"yield", "toughness", "release_rate"};
+/// What is compared, as "von Mises stress"; its dimension; what it is a reserve against: "yield" or "fracture".
+struct ReserveWords {
+  std::string_view quantity, against;
+  Dimension dimension;
+};
+ReserveWords words_of(ReserveResult::Of of);
 
 struct StateResult {
   std::string element;

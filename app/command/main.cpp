@@ -38,6 +38,7 @@
 #include <iostream>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <thread>
 
 namespace kerf {
@@ -376,15 +377,13 @@ void make_result_folder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder, failed);
 }
 
-/// Words between commas.
-std::vector<std::string> split(const std::string& text) {
+/// Words between commas, without blanks.
+std::vector<std::string> split(std::string text) {
+  std::erase(text, ' ');
   std::vector<std::string> words;
-  std::string word;
-  for (const char c : text + ",")
-    if (c == ',')
-      !word.empty() ? words.push_back(word) : void(), word.clear();
-    else if (c != ' ')
-      word += c;
+  std::istringstream in(text);
+  for (std::string word; std::getline(in, word, ',');)
+    if (!word.empty()) words.push_back(word);
   return words;
 }
 

@@ -22,13 +22,13 @@ namespace kerf {
 void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& state,
                  std::vector<CrackResult>& cracks, Journal& journal) {
   if (!c.output.peaks) return;
-  add_peaks(adapted.model, data, extent(c.shape), state, cracks);
+  const SingularZones zones = singular_zones(adapted.model, extent(c.shape));
+  add_peaks(adapted.model, data, zones, extent(c.shape), state, cracks);
   if (state.von_mises && !is_of_polygon(c.shape, adapted.model.mesh))  // corners of chords have a note
-    refine_peak(adapted.model, adapted.state, data, c.plane_strain, singular_zones(adapted.model, extent(c.shape)),
-                *state.von_mises);
+    refine_peak(adapted.model, adapted.state, data, c.plane_strain, zones, *state.von_mises);
   journal.seconds.recover += journal.lap();
   add_margins(c, adapted, data, state, cracks);
-  state.reserves = reserves_of(c, adapted.model, data, state, cracks);
+  state.reserves = reserves_of(c, adapted.model, data, zones, state, cracks);
   journal.seconds.margins += journal.lap();
 }
 

@@ -205,9 +205,8 @@ std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const 
   return notes;
 }
 
-void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
+void add_peaks(const Model& model, const PlotData& data, const SingularZones& zones, double extent, StateResult& state,
                std::vector<CrackResult>& cracks) {
-  const SingularZones zones = singular_zones(model, extent);
   state.von_mises = peak(data.points, data.von_mises, zones);
   state.displacement = peak(data.points, data.values.displacement.colwise().norm().transpose(), {});
   add_pressures(

@@ -44,7 +44,7 @@ std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const 
                                        double extent);
 
 /// Fills in the largest stress, displacement and pressures, with notes_on_size.
-void add_peaks(const Model& model, const PlotData& data, double extent, StateResult& state,
+void add_peaks(const Model& model, const PlotData& data, const SingularZones& zones, double extent, StateResult& state,
                std::vector<CrackResult>& cracks);
 
 /// Chords stand for curved sides, and at their corners the stress is larger than on the curve: what to say of a largest

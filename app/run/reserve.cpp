@@ -6,7 +6,6 @@
 
 #include "app/run/reserve.hpp"
 
-#include "app/run/peaks.hpp"
 #include "geometry/plane.hpp"
 
 #include <algorithm>
@@ -64,7 +63,7 @@ std::optional<PlacedValue> largest_in(const Model& model, const PlotData& data, 
   return own && whole && whole->value > own->value && (whole->at - own->at).norm() <= zones.largest() ? whole : own;
 }
 
-ReserveResult against(const char* of, double value, double limit, const Vec2& at) {
+ReserveResult against(ReserveResult::Of of, double value, double limit, const Vec2& at) {
   return {.of = of, .value = value, .limit = limit, .factor = value > 0 ? limit / value : infinity, .at = at};
 }
 
@@ -77,9 +76,10 @@ void add_tips(const Case& c, const std::vector<CrackResult>& cracks, std::vector
       const Strength& bears = *found;
       std::optional<ReserveResult> r;
       if (bears.toughness && tip.K_I && tip.K_II)
-        r = against("toughness", std::hypot(std::max(*tip.K_I, 0.0), *tip.K_II), *bears.toughness, tip.at);
+        r = against(ReserveResult::Of::Toughness, std::hypot(std::max(*tip.K_I, 0.0), *tip.K_II), *bears.toughness,
+                    tip.at);
       if (bears.release_rate && tip.G) {
-        r = against("release_rate", *tip.G, *bears.release_rate, tip.at);
+        r = against(ReserveResult::Of::ReleaseRate, *tip.G, *bears.release_rate, tip.at);
         r->factor = std::sqrt(r->factor);
       }
       if (!r) continue;
@@ -92,10 +92,10 @@ void add_tips(const Case& c, const std::vector<CrackResult>& cracks, std::vector
 }  // namespace
 
 std::vector<ReserveResult> reserves_of(const Case& c, const Model& model, const PlotData& data,
-                                       const StateResult& state, const std::vector<CrackResult>& cracks) {
+                                       const SingularZones& zones, const StateResult& state,
+                                       const std::vector<CrackResult>& cracks) {
   std::vector<ReserveResult> out;
   if (c.strength.empty()) return out;
-  const SingularZones zones = singular_zones(model, extent(c.shape));
   // By name: a design may have other regions than the case.
   const auto regions = static_cast<Index>(c.shape.regions.size());
   for (Index region = none; region < regions; ++region) {
@@ -103,7 +103,7 @@ std::vector<ReserveResult> reserves_of(const Case& c, const Model& model, const 
     if (!bears || !bears->yield) continue;
     const auto largest = largest_in(model, data, state, zones, region, regions == 0);
     if (!largest) continue;
-    out.push_back(against("yield", largest->value, *bears->yield, largest->at));
+    out.push_back(against(ReserveResult::Of::Yield, largest->value, *bears->yield, largest->at));
     out.back().region = bears->region;
   }
   add_tips(c, cracks, out);

@@ -1,7 +1,7 @@
 #pragma once
 // How far the loads are from what the material bears.
 
-#include "app/run/collect.hpp"
+#include "app/run/peaks.hpp"
 #include "kerf/case_file.hpp"
 
 namespace kerf {
@@ -9,6 +9,7 @@ namespace kerf {
 /// Against yield per material that has one, against fracture per tip with K in a material that has a toughness; the
 /// least factor first. `state` has its largest stress, `cracks` their tips.
 std::vector<ReserveResult> reserves_of(const Case& c, const Model& model, const PlotData& data,
-                                       const StateResult& state, const std::vector<CrackResult>& cracks);
+                                       const SingularZones& zones, const StateResult& state,
+                                       const std::vector<CrackResult>& cracks);
 
 }  // namespace kerf

@@ -70,14 +70,6 @@ Peak peak(const Json& from) {
 ResultantResult read_resultant(const Json& from) {
   return {text(from, "on"), read_place(from.at("force")), read_number(from, "moment")};
 }
-std::vector<ReserveResult> read_reserves(const Json& from) {
-  std::vector<ReserveResult> out;
-  if (!from.contains("reserve")) return out;
-  for (const Json& r : from["reserve"])
-    out.push_back({text(r, "of"), read_number(r, "value"), read_number(r, "limit"), read_number(r, "factor"),
-                   read_place(r.at("at")), text(r, "region"), text(r, "crack")});
-  return out;
-}
 Eigen::VectorXd numbers(const Json& from) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(from.size()));
   for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = read_number(from[static_cast<std::size_t>(i)]);
@@ -90,6 +82,15 @@ T from_word(const std::array<std::string_view, n>& words, const std::string& wor
   for (std::size_t i = 0; i < n; ++i)
     if (words[i] == word) return static_cast<T>(i);
   return T{};
+}
+std::vector<ReserveResult> read_reserves(const Json& from) {
+  std::vector<ReserveResult> out;
+  if (!from.contains("reserve")) return out;
+  for (const Json& r : from["reserve"])
+    out.push_back({from_word<ReserveResult::Of>(reserve_words, text(r, "of")), read_number(r, "value"),
+                   read_number(r, "limit"), read_number(r, "factor"), read_place(r.at("at")), text(r, "region"),
+                   text(r, "crack")});
+  return out;
 }
 Verdict verdict(const std::string& said) {
   for (const Verdict v : {Verdict::Holds, Verdict::Fails, Verdict::Vanishes, Verdict::OutOfRange})

@@ -113,7 +113,7 @@ Json plate_section(const StateResult& state, double thickness) {
 Json reserve_section(const std::vector<ReserveResult>& reserves) {
   Json out = Json::array();
   for (const ReserveResult& r : reserves) {
-    Json row = {{"of", r.of},
+    Json row = {{"of", reserve_words[static_cast<std::size_t>(r.of)]},
                 {"factor", number(r.factor)},
                 {"value", number(r.value)},
                 {"limit", number(r.limit)},

@@ -18,6 +18,18 @@
 
 namespace kerf {
 
+ReserveWords words_of(ReserveResult::Of of) {
+  switch (of) {
+    case ReserveResult::Of::Yield:
+      return {"von Mises stress", "yield", dimension::stress};
+    case ReserveResult::Of::Toughness:
+      return {"K_eq", "fracture", dimension::stress_intensity};
+    case ReserveResult::Of::ReleaseRate:
+      return {"G", "fracture", dimension::release_rate};
+  }
+  return {};
+}
+
 namespace {
 
 constexpr std::size_t columns = 100, indent = 12;
@@ -129,16 +141,10 @@ void add_resultants(std::string& out, const StateResult& s, const Units& units) 
 
 /// "yield 2.31: von Mises stress 108.2 of 250 at (1, 2) in region "stiff"".
 std::vector<std::string> in_words(const ReserveResult& r, const Units& u) {
-  const bool yield = r.of == "yield", rate = r.of == "release_rate";
-  const std::string of = unit(u, yield  ? dimension::stress
-                                 : rate ? dimension::release_rate
-                                        : dimension::stress_intensity);
-  return {fmt::format("{} {:.3g}{}", yield ? "yield" : "fracture", r.factor, r.factor < 1 ? " (exceeded)" : ""),
-          fmt::format("{} {:.4g} of {:.4g}{} at ({:.4g}, {:.4g}){}{}",
-                      yield  ? "von Mises stress"
-                      : rate ? "G"
-                             : "K_eq",
-                      r.value, r.limit, of.empty() ? "" : " " + of, r.at.x(), r.at.y(),
+  const ReserveWords words = words_of(r.of);
+  return {fmt::format("{} {:.3g}{}", words.against, r.factor, r.factor < 1 ? " (exceeded)" : ""),
+          fmt::format("{} {:.4g} of {:.4g}{} at ({:.4g}, {:.4g}){}{}", words.quantity, r.value, r.limit,
+                      with_blank(unit(u, words.dimension)), r.at.x(), r.at.y(),
                       r.region.empty() ? "" : fmt::format(" in region {}", clean_text(r.region)),
                       r.crack.empty() ? "" : fmt::format(", crack {}", clean_text(r.crack)))};
 }

@@ -162,6 +162,7 @@ void paint_triangle(Canvas& canvas, const Painting& painting, const Colors& tabl
   const auto [least, most] = std::minmax({c[0].step, c[1].step, c[2].step});
   const double floor = std::clamp(least, 0.0, 255.0), ceiling = std::clamp(most, 0.0, 255.0);
   double mx = 0, my = 0, margin = 1;
+  const bool all_known = finite && !(painting.margin && painting.margin->cols() > 0);
   if (painting.margin && painting.margin->cols() > 0) {
     const Eigen::Vector3d at = painting.margin->col(static_cast<Eigen::Index>(t));
     mx = sliver ? 0 : ((at[1] - at[0]) * e2.y() - (at[2] - at[0]) * e1.y()) / area;
@@ -173,11 +174,10 @@ void paint_triangle(Canvas& canvas, const Painting& painting, const Colors& tabl
     if (!valued) return painting.plain;
     return table[static_cast<std::size_t>(std::clamp(origin + gx * x + gy * y, floor, ceiling))];
   };
-  const bool one_color = finite && !valued, smooth = finite && valued && margin == 1 && mx == 0 && my == 0;
   const auto plain = [&](std::uint32_t* row, int first, int last, double y) {
-    if (one_color && margin == 1 && mx == 0 && my == 0)
+    if (all_known && !valued)
       std::fill(row + first, row + last, painting.plain);
-    else if (smooth)
+    else if (all_known)
       for (int i = first; i < last; ++i)
         row[i] = table[static_cast<std::size_t>(
             static_cast<int>(std::clamp(origin + gx * (i + 0.5) + gy * y, floor, ceiling)))];

@@ -69,16 +69,12 @@ void add_peak(Facts& facts, const std::string& name, const Peak& peak, const Uni
 }
 
 void add_reserve(Facts& facts, const ReserveResult& r, const Units& units) {
-  const bool yield = r.of == "yield", rate = r.of == "release_rate";
-  const Dimension of = yield ? dimension::stress : rate ? dimension::release_rate : dimension::stress_intensity;
-  std::string name = yield ? "reserve against yield" : "reserve against fracture";
+  const ReserveWords words = words_of(r.of);
+  std::string name = fmt::format("reserve against {}", words.against);
   if (!r.region.empty()) name += " in region " + r.region;
   if (!r.crack.empty()) name += ", crack " + r.crack;
-  facts.add(name, fmt::format("<b>{}</b>: {} {} of {} at {}", pretty(r.factor, 3),
-                              yield  ? "von Mises stress"
-                              : rate ? "G"
-                                     : "K_eq",
-                              pretty(r.value, 4), with_unit(r.limit, units, of), at_place(r.at)));
+  facts.add(name, fmt::format("<b>{}</b>: {} {} of {} at {}", pretty(r.factor, 3), words.quantity, pretty(r.value, 4),
+                              with_unit(r.limit, units, words.dimension), at_place(r.at)));
 }
 
 std::string note(const std::string& text, bool bad) {

@@ -163,7 +163,7 @@ std::string key_numbers(const Result& r) {
   }
   if (r.state && !r.state->reserves.empty()) {
     const ReserveResult& least = r.state->reserves.front();
-    add(least.of == "yield" ? "reserve against yield" : "reserve against fracture", pretty(least.factor, 3));
+    add(fmt::format("reserve against {}", words_of(least.of).against), pretty(least.factor, 3));
   }
   if (r.functional)
     add(r.functional->kind + " (functional)", with_margin(r.functional->value, {}, r.units, r.functional_dimension));
