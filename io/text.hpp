@@ -26,6 +26,11 @@ std::string clean_text(std::string_view text);
 /// Cleaned, and & < > " ' as entities.
 std::string escape_html(std::string_view text);
 
+/// A page of HTML up to <body>: `policy` is its Content-Security-Policy, `more` what its head has besides; all but the
+/// title, which is cleaned, is HTML as it is.
+std::string html_head(std::string_view title, std::string_view policy, std::string_view style,
+                      std::string_view more = {});
+
 std::string base64(std::string_view bytes);
 
 }  // namespace kerf

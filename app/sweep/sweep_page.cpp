@@ -234,13 +234,9 @@ void choose_columns(SweepTable& table, const std::vector<std::string>& wanted) {
 }
 
 std::string plain_page(const std::string& title, const std::string& body, const std::string& head) {
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv="
-      "\"Content-Security-Policy\" content=\"script-src 'none'; object-src 'none'; base-uri 'none'; "
-      "form-action 'none'\">\n<meta name=\"viewport\" content=\"width=device-width, "
-      "initial-scale=1\">\n<title>{0}</title>"
-      "\n{3}<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}</main>\n</body>\n</html>\n",
-      escape_html(title), style, body, head);
+  return html_head(title, "script-src 'none'; object-src 'none'; base-uri 'none'; form-action 'none'", style,
+                   "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" + head) +
+         fmt::format("<main>\n<h1>{}</h1>\n{}</main>\n</body>\n</html>\n", escape_html(title), body);
 }
 
 void write_sweep_page(const fs::path& path, const SweepTable& table, const fs::path& folder) {

@@ -110,4 +110,12 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
+std::string html_head(std::string_view title, std::string_view policy, std::string_view style, std::string_view more) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n{}<title>{}</title>\n<style>{}</style>\n"
+      "</head>\n<body>\n",
+      policy, more, escape_html(title), style);
+}
+
 }  // namespace kerf

@@ -85,12 +85,11 @@ std::string not_covered(const EdgeCrackResult& e) {
 std::string inspection_page(const Result& r, const std::string& case_text, std::string_view picture) {
   const EdgeCrackResult& e = *r.edge_cracks;
   const std::string title = escape_html(r.title.empty() ? r.case_name : r.title);
-  std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src "
-      "data:; base-uri 'none'; form-action 'none'\">\n<title>{0}: inspection</title>\n<style>{1}</style>\n</head>\n"
-      "<body>\n<h1>{0}: damage tolerance</h1>\n",
-      title, sheet);
+  std::string out = html_head((r.title.empty() ? r.case_name : r.title) + ": inspection",
+                              "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+                              "form-action 'none'",
+                              sheet);
+  out += fmt::format("<h1>{}: damage tolerance</h1>\n", title);
   out += fmt::format("<p>Case {}, status {}. Mesh of {} triangles", escape_html(r.case_name), escape_html(r.status),
                      r.triangles);
   if (r.state) {

@@ -83,13 +83,10 @@ std::string policy() {
 
 std::string page(const Result& r, const PageData& data) {
   const std::string title = escape_html(r.title.empty() ? r.case_name : r.title);
-  std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n"
-      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n",
-      policy(), title, browser_style());
-  out += head(r, title) + verdicts(r) + notes(r) + key_numbers(r);
+  std::string out = html_head(r.title.empty() ? r.case_name : r.title, policy(), browser_style(),
+                              "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link "
+                              "rel=\"icon\" href=\"data:,\">\n");
+  out += "<main>\n" + head(r, title) + verdicts(r) + notes(r) + key_numbers(r);
   const bool drawn = find_array(data.arrays, "points") != nullptr;
   out +=
       "<noscript><p class=\"note\">The figures are drawn by a script in this file. Without it the numbers and tables "
