@@ -614,7 +614,7 @@ class Growing {
   }
 
   /// The cycles so far: of each step those of the tip that was the fastest, by its rates at all steps as a smooth
-  /// function of its length (growth/life.hpp). Where a tip has ended, its last rate stands.
+  /// function of its length (growth/life.hpp), or by those of the step alone where it has rested, begun later or ended.
   void count_cycles(GrowthStep& s) {
     for (const GrownTip& tip : s.tips) {
       Track& track = tracks_[tip.end];
@@ -629,19 +629,22 @@ class Growing {
     if (!of_.law) return;
     std::map<CrackEnd, Counted> lives;  // of tips that have always grown
     for (const auto& [end, track] : tracks_) {
-      const bool whole = track.x.size() > 1 &&
-                         std::ranges::all_of(track.rates, [](double r) { return r > 0 && std::isfinite(r); }) &&
+      // At the last point it may run.
+      const bool whole = track.x.size() > 1 && std::isfinite(track.rates.front()) &&
+                         std::ranges::all_of(track.rates, [](double r) { return r > 0; }) &&
                          std::ranges::adjacent_find(track.x, std::greater_equal<>()) == track.x.end();
       if (whole) lives.emplace(end, counted(track));
     }
-    double sum = 0, error = 0;
+    double sum = 0, error = 0, alone = 0;
     for (const GrowthStep& before : grown_.steps) {
       const GrownTip& fastest = *std::ranges::max_element(before.tips, {}, &GrownTip::da);
       const Track& track = tracks_.at(fastest.end);
       const auto at = static_cast<std::size_t>(before.number - track.first);
       const auto life = lives.find(fastest.end);
       if (at + 1 >= track.x.size() || life == lives.end()) {
-        sum += fastest.da / fastest.rate;
+        const Interval cycles = between_rates(fastest, at + 1 < track.rates.size() ? track.rates[at + 1] : nan);
+        sum += 0.5 * (cycles.low + cycles.high);
+        alone += 0.5 * (cycles.high - cycles.low);
         continue;
       }
       const std::vector<double>& cycles = life->second.cycles;
@@ -649,7 +652,14 @@ class Growing {
       error = std::max(error, life->second.error);  // of all of its steps
     }
     s.cycles = sum;
-    if (!grown_.steps.empty()) grown_.cycles_error = error;
+    if (!grown_.steps.empty()) grown_.cycles_error = error + alone;
+  }
+
+  /// The cycles of a step whose rate is between those at its two ends; where the last is not known, or the crack runs
+  /// there, up to those of the first.
+  static Interval between_rates(const GrownTip& tip, double after) {
+    const double first = tip.da / tip.rate, last = after > 0 ? tip.da / after : 0;
+    return {std::min(first, last), std::max(first, last)};
   }
 
   struct Track;
@@ -680,6 +690,12 @@ class Growing {
       done = c.cycles.back() + across;
       c.error += across / 2;
       from = last + 1;
+    }
+    // Within the step at whose end it runs it runs somewhere.
+    if (!std::isfinite(track.rates.back())) {
+      const double half = 0.5 * (c.cycles.back() - c.cycles[c.cycles.size() - 2]);
+      c.cycles.back() -= half;
+      c.error += half;
     }
     return c;
   }

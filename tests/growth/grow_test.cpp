@@ -71,6 +71,30 @@ TEST(Grow, TheLifeOfACentreCrack) {
   EXPECT_NEAR(last.tips[0].a, 2 * std::abs(last.tips[0].at.x()), 2e-3);
 }
 
+// Until K reaches the toughness, within a step: the error holds, and half the step halves it.
+TEST(Grow, TheLifeUntilItRuns) {
+  const Body b = plate(10, 24, {"c", {{-0.5, 0}, {0.5, 0}}, {}}, 100);
+  const GrowthLaw law{.form = Paris{1e-11, 3}, .K_c = 260};
+  std::vector<PathPoint> path;
+  for (int i = 0; i <= 80; ++i) {
+    const double a = 0.5 * std::pow(6, i / 80.0), x = a / 10;
+    path.push_back({a, 100 * std::sqrt(pi * a / std::cos(pi * x)) * (1 - 0.1 * x * x + 0.96 * std::pow(x, 4)), 0});
+  }
+  const Life life(law, path);
+  ASSERT_EQ(life.end(), LifeEnd::Runs);
+  double coarse = 0;
+  for (const double step : {0.4, 0.2}) {
+    const Grown g = grown(b, {.law = law, .step = step});
+    EXPECT_EQ(g.ended, "unstable: K reaches the toughness of the law at the largest load");
+    EXPECT_NEAR(g.steps.back().cycles, life.cycles(), g.cycles_error + 0.012 * life.cycles()) << step;
+    EXPECT_GT(g.cycles_error, 0);
+    if (coarse > 0) {
+      EXPECT_LT(g.cycles_error, 0.75 * coarse);
+    }
+    coarse = g.cycles_error;
+  }
+}
+
 // A small kink of the body is that of the series [Amestoy, Leblond 1992], whatever the angle.
 TEST(Grow, TheFirstPieceIsTheKinkOfTheSeries) {
   std::mt19937 bits(7);
