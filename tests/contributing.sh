@@ -32,7 +32,7 @@ Term deflection() {
 CPP
 # 2. Its reader, its word in the table of keys.
 sed -i 's|^    if (kind == "volume") .*|&\n    if (kind == "deflection") return {deflection()};|' io/case/functional_sections.cpp
-sed -i 's|std::array<View, 15> functional_kinds{|std::array<View, 16> functional_kinds{"deflection", |' io/case/keys.cpp
+sed -i 's|std::array<View, 16> functional_kinds{|std::array<View, 17> functional_kinds{"deflection", |' io/case/keys.cpp
 
 PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$source/tests python3 - "$source" "$build" "$folder" <<'PYTHON'
 import sys

@@ -47,6 +47,18 @@ std::vector<std::string> beyond_answers(const MapTask& task, const Analysis& a, 
 
 }  // namespace
 
+namespace {
+
+/// The quantity of the tip as the state has it, and what its errors are compared with.
+std::pair<double, double> at_tip(const TipResult& tip, TipQuantity quantity) {
+  if (quantity == TipQuantity::ReleaseRate) return {*tip.G, std::abs(*tip.G)};
+  const double size = std::hypot(*tip.K_I, *tip.K_II);
+  if (quantity == TipQuantity::Equivalent) return {size, size};
+  return {quantity == TipQuantity::OpeningMode ? *tip.K_I : *tip.K_II, size};
+}
+
+}  // namespace
+
 Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map) {
   if (with_map) require_supports(j, adapted.model);
   return analyze(j, adapted.model, adapted.state, !with_map);
@@ -71,15 +83,20 @@ std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis,
                       "the value of {} is that of this mesh",
                       term.stress_power, term.kind));
     if (!(term.feature_radius > 0)) continue;
+    if (term.tip->quantity == TipQuantity::OpeningMode && analysis.term_value[i] == 0)
+      notes.push_back(
+          "contact closes this tip: K_I is 0, and stays so for small changes of the body; mode = \"II\" and "
+          "\"eq\" say what they do to the rest");
     for (const CrackResult& crack : cracks)
       for (const TipResult& tip : crack.tips) {
         constexpr double same = 0.03;
         if (!tip.G || (tip.at - term.feature).norm() > 1e-9 * extent(shape)) continue;
-        if (std::abs(analysis.term_value[i] - *tip.G) > same * std::abs(*tip.G))
-          notes.push_back(fmt::format(
-              "energy_release_rate is {:.4g}, the interaction integrals at that tip say {:.4g}: the ring has "
-              "too few triangles (mesh.size), or holds more than the tip",
-              analysis.term_value[i], *tip.G));
+        const auto [value, size] = at_tip(tip, term.tip->quantity);
+        if (std::abs(analysis.term_value[i] - value) > same * size)
+          notes.push_back(
+              fmt::format("{} is {:.4g}, the interaction integrals at that tip say {:.4g}: the ring has "
+                          "too few triangles (mesh.size), or holds more than the tip",
+                          term.kind, analysis.term_value[i], value));
       }
   }
   return notes;

@@ -51,6 +51,14 @@ struct EdgeCrackNorm {
 
 struct LargestStress;  // kerf/max_stress.hpp
 
+/// A quantity of a crack tip: G, K_I, K_II, or the equivalent K = sqrt(E' G), by the direction in which the crack
+/// grows.
+enum class TipQuantity { ReleaseRate, OpeningMode, SlidingMode, Equivalent };
+struct OfTip {
+  TipQuantity quantity = TipQuantity::ReleaseRate;
+  Vec2 along = Vec2::UnitX();
+};
+
 /// One term. Parts that are empty do not occur.
 struct Term {
   std::string kind;  // as in a case file, for messages and results: nothing is decided by it
@@ -95,7 +103,7 @@ struct Term {
   /// Points too close to a feature of the functional itself (the ring of a tip): its radius about it; 0: none.
   Vec2 feature = Vec2::Zero();
   double feature_radius = 0;
-  std::optional<Vec2> release_along = {};  // G of the tip at `feature`, by which a crack grows in this direction
+  std::optional<OfTip> tip = {};  // what it is of the tip at `feature`
 };
 
 struct Functional {
@@ -118,6 +126,11 @@ Term misfit(Index label, BoundaryField measured);
 /// G of one tip: int sigma : (grad u grad theta) - 1/2 sigma : eps div theta, theta = direction times a cut-off that
 /// falls from 1 to 0 between ring[0] and ring[1] [Destuynder, Djaoua 1981].
 Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::array<double, 2>& ring, VectorField body);
+/// K_I, K_II of one tip by the interaction integral over the same ring, or sqrt(E' G) [Yau, Wang, Corten 1980; theory:
+/// T.39]; isotropic materials, a crack that is straight within the ring, faces without friction and without a pressure
+/// of their own. `crack`: of K_I where its faces may touch, whose pressure opens the tip; none otherwise.
+Term stress_intensity(const OfTip& of, const Vec2& tip, const std::array<double, 2>& ring, VectorField body,
+                      Index crack = none);
 Term crack_opening(Index crack, ScalarField weight);
 Term crack_pressure(Index crack, ScalarField target, ScalarField weight);
 

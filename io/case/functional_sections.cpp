@@ -13,6 +13,7 @@
 #include "io/words.hpp"
 #include "kerf/edge_cracks.hpp"
 #include "optimize/stress_zones.hpp"
+#include "topo/orthotropic.hpp"
 
 #include <fmt/format.h>
 
@@ -163,19 +164,26 @@ struct Reader {
     return misfit(labels[0], vector_field(u[0], u[1]));
   }
 
-  Term tip_term(const Value& table) const {
-    const Index number = crack(table);
-    if (has_pressure(c.scene.laws[static_cast<std::size_t>(number)]))
+  /// Faces do work that the integrals over a ring leave out, or the fields of a straight tip are none of this one.
+  void refuse_faces(const Value& table, const std::string& kind, Index number) const {
+    const CrackLaw& law = c.scene.laws[static_cast<std::size_t>(number)];
+    const Crack& crack = c.shape.cracks[static_cast<std::size_t>(number)];
+    const auto refuse = [&](const std::string& why) {
       fail(table.node->position,
-           fmt::format("{}: the faces of crack {} carry a pressure, whose work energy_release_rate does not count; "
-                       "kerf solve gives the G of its tips, or use another functional",
-                       table.name, quote(c.shape.cracks[static_cast<std::size_t>(number)].name)));
-    if (has_gap(c.scene.laws[static_cast<std::size_t>(number)]))
-      fail(
-          table.node->position,
-          fmt::format("{}: the faces of crack {} have a gap, whose contact does work that energy_release_rate does not "
-                      "count; kerf solve gives the G of its tips, or use another functional",
-                      table.name, quote(c.shape.cracks[static_cast<std::size_t>(number)].name)));
+           fmt::format("{}: {}; kerf solve gives K and G of its tips, or use another functional", table.name, why));
+    };
+    const std::string faces = "the faces of crack " + quote(crack.name);
+    if (has_pressure(law)) refuse(fmt::format("{} carry a pressure, whose work {} does not count", faces, kind));
+    if (has_gap(law)) refuse(fmt::format("{} have a gap, whose contact does work that {} does not count", faces, kind));
+    if (kind != "stress_intensity") return;
+    if (has_friction(law)) refuse(fmt::format("{} have friction, whose work {} does not count", faces, kind));
+    if (crack.arc) refuse(fmt::format("crack {} is an arc, and {} takes a straight one", quote(crack.name), kind));
+    if (has_orthotropic(c.scene)) refuse(fmt::format("the body is orthotropic, and {} takes isotropic ones", kind));
+  }
+
+  Term tip_term(const Value& table, const std::string& kind) const {
+    const Index number = crack(table);
+    refuse_faces(table, kind, number);
     const Value which = need(table, "tip");
     const bool at_start = choice(which) == "start";
     const TipPlace tip = crack_tip(c.shape, number, at_start);
@@ -195,7 +203,14 @@ struct Reader {
         fail(given->node->position, fmt::format("{}: {} is only {:.6g} from {}; the outer radius must be smaller",
                                                 given->name, tip.nearest, tip.clearance, name));
     }
-    return energy_release_rate(tip.at, tip.direction, ring, c.scene.body);
+    if (kind == "energy_release_rate") return energy_release_rate(tip.at, tip.direction, ring, c.scene.body);
+    OfTip of{TipQuantity::OpeningMode, tip.direction};
+    if (const auto mode = find(table, "mode"))
+      of.quantity = choice(*mode) == "II"  ? TipQuantity::SlidingMode
+                    : choice(*mode) == "I" ? TipQuantity::OpeningMode
+                                           : TipQuantity::Equivalent;
+    const bool may_touch = is_unilateral(c.scene.laws[static_cast<std::size_t>(number)]);
+    return stress_intensity(of, tip.at, ring, c.scene.body, may_touch ? number : none);
   }
 
   /// Its zones come with `leave_out_zones`, when all loads are known.
@@ -238,7 +253,7 @@ struct Reader {
     if (kind == "worst_edge_crack") return {edge_crack_term(table)};
     if (kind == "max_stress") return {largest_stress_term(table)};
     if (kind == "misfit") return {misfit_term(table)};
-    if (kind == "energy_release_rate") return {tip_term(table)};
+    if (kind == "energy_release_rate" || kind == "stress_intensity") return {tip_term(table, kind)};
     if (kind == "crack_opening") return {crack_opening(crack(table), weight(table))};
     const Index number = crack(table);
     if (!is_unilateral(c.scene.laws[static_cast<std::size_t>(number)])) {

@@ -31,7 +31,7 @@ constexpr std::array<View, 9> element_names{
     "peers", "bdms", "bdms-c", "afw", "arnold-winther", "arnold-winther-c", "arnold-winther-nc", "p1", "p2"};
 constexpr std::array<View, 8> length_words{"m", "mm", "cm", "um", "nm", "km", "in", "ft"};
 constexpr std::array<View, 6> stress_words{"Pa", "kPa", "MPa", "GPa", "psi", "ksi"};
-constexpr std::array<View, 15> functional_kinds{"energy",
+constexpr std::array<View, 16> functional_kinds{"energy",
                                                 "compliance",
                                                 "volume",
                                                 "displacement_tracking",
@@ -42,6 +42,7 @@ constexpr std::array<View, 15> functional_kinds{"energy",
                                                 "max_stress",
                                                 "misfit",
                                                 "energy_release_rate",
+                                                "stress_intensity",
                                                 "crack_opening",
                                                 "crack_pressure",
                                                 "worst_edge_crack",
@@ -49,6 +50,7 @@ constexpr std::array<View, 15> functional_kinds{"energy",
 constexpr std::array<View, 2> mesher_words{"kerf", "gmsh"};
 constexpr std::array<View, 1> curved_words{"auto"};
 constexpr std::array<View, 2> path_ends{"start", "end"};
+constexpr std::array<View, 3> tip_modes{"I", "II", "eq"};
 constexpr std::array<View, 4> perturbation_words{"hole", "clamped_hole", "crack", "edge_crack"};
 constexpr std::array<View, 1> from_map{"map"};
 constexpr std::array<View, 1> worst_words{"worst"};
@@ -542,14 +544,20 @@ constexpr Key rows[] = {
      "\"top\""},
     {"functional.crack",
      Text,
-     {.with = "energy_release_rate|crack_opening|crack_pressure", .required = true},
+     {.with = "energy_release_rate|stress_intensity|crack_opening|crack_pressure", .required = true},
      "The name of a crack with faces; of crack_pressure one with contact = \"unilateral\".",
      "\"c\""},
     {"functional.tip",
      Word,
-     {.words = path_ends, .with = "energy_release_rate", .required = true},
-     "The end of the crack's path where G is.",
+     {.words = path_ends, .with = "energy_release_rate|stress_intensity", .required = true},
+     "The end of the crack's path where G or K is.",
      "\"end\""},
+    {"functional.mode",
+     Word,
+     {.words = tip_modes, .with = "stress_intensity"},
+     "Which K: K_I, K_II, or the equivalent one, the root of E' G.",
+     "\"II\"",
+     "\"I\""},
     {"functional.target",
      Vector | Formula,
      {.with = "displacement_tracking|boundary_tracking|crack_pressure", .required = true},
@@ -602,8 +610,8 @@ constexpr Key rows[] = {
      "0.014"},
     {"functional.ring",
      Pair,
-     {.range = above_zero, .with = "energy_release_rate"},
-     "Inner and outer radius of the ring about the tip that G is integrated over.",
+     {.range = above_zero, .with = "energy_release_rate|stress_intensity"},
+     "Inner and outer radius of the ring about the tip that G or K is integrated over.",
      "[0.06, 0.2]",
      "from the crack's length and what is near"},
     {"functional.weight",

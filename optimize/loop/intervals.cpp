@@ -43,7 +43,7 @@ std::optional<TipIntensity> tip_of(const Term& term, const Shape& shape) {
     const std::size_t last = crack.points.size() - 1;
     for (const bool at_start : {true, false}) {
       const Vec2 &end = crack.points[at_start ? 0 : last], &before = crack.points[at_start ? 1 : last - 1];
-      const bool along = (end - before).normalized().dot(*term.release_along) > 1 - same_place;
+      const bool along = (end - before).normalized().dot(term.tip->along) > 1 - same_place;
       if ((end - term.feature).norm() <= near && (along || crack.arc))
         return TipIntensity{.crack = static_cast<Index>(k), .at_start = at_start, .at = end};
     }
@@ -80,7 +80,7 @@ class CaseIntervals {
     Bounded sum{.guaranteed = true};
     for (const Term& term : j.terms) {
       // One term without an interval leaves the sum without one.
-      const Bounded b = term.release_along      ? release_rate(term)
+      const Bounded b = term.tip                ? at_tip(term)
                         : term.stress_power > 0 ? stress(term)
                         : term.volume           ? volume()
                                                 : no_interval(fmt::format("no bound: of {} there is none", term.kind));
@@ -115,17 +115,22 @@ class CaseIntervals {
     });
   }
 
-  Bounded release_rate(const Term& term) {
+  Bounded at_tip(const Term& term) {
+    if (term.tip->quantity == TipQuantity::Equivalent)
+      return no_interval("no bound: the equivalent K has none; bound energy_release_rate, its square over E'");
     const std::optional<TipIntensity> tip = tip_of(term, e_.shape);
-    if (!tip) return no_interval("no bound: it is the release rate along no crack of the design");
+    if (!tip) return no_interval("no bound: it is of no crack tip of the design");
     if (!faces_) {
       // Contact that is open everywhere has the state of the open crack, which is linear.
       if (open_everywhere(c_.model, c_.state)) opened_.emplace(opened(c_.model, threads_));
       faces_.emplace(opened_ ? opened_->model : c_.model, opened_ ? opened_->state : c_.state);
     }
-    Bounded G = faces_->tip(*tip).G;
-    if (opened_) qualify(G, of_opened);
-    return G;
+    const TipBounds bounds = faces_->tip(*tip);
+    Bounded b = term.tip->quantity == TipQuantity::ReleaseRate   ? bounds.G
+                : term.tip->quantity == TipQuantity::OpeningMode ? bounds.K_I
+                                                                 : bounds.K_II;
+    if (opened_) qualify(b, of_opened);
+    return b;
   }
 
   const Evaluated& e_;
@@ -136,7 +141,7 @@ class CaseIntervals {
 };
 
 bool may_have_interval(const Functional& j) {
-  return std::ranges::any_of(j.terms, [](const Term& t) { return t.release_along || t.stress_power > 0; });
+  return std::ranges::any_of(j.terms, [](const Term& t) { return t.tip || t.stress_power > 0; });
 }
 
 /// What the larger of two quantities lies in.

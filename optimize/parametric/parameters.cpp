@@ -41,8 +41,7 @@ constexpr double fallen = 0.1;        // of J at the start: below it, what is le
 
 /// Squares, gaps and release rates: the least that they can be is 0.
 bool vanishes(const Term& t) {
-  return t.measured || t.release_along ||
-         (!t.linear && !t.energy && !t.volume && !t.work && !(t.stress_power > 0) && !t.edge_cracks);
+  return t.measured || (!t.linear && !t.energy && !t.volume && !t.work && !(t.stress_power > 0) && !t.edge_cracks);
 }
 bool is_never_negative(const Term& t) {
   return vanishes(t) || t.volume || t.work || t.stress_power > 0 || t.edge_cracks;

@@ -213,8 +213,10 @@ std::optional<std::string> wrong_load_cases(const Functional& objective, const O
       if (term.measured)
         return "[[load_case]]: a misfit belongs to one set of loads; write them as [[boundary]] and [body]";
       if (term.feature_radius > 0 && forces)
-        return "[[load_case]]: energy_release_rate takes no body forces of load cases; write the loads as "
-               "[[boundary]] and [body]";
+        return fmt::format(
+            "[[load_case]]: {} takes no body forces of load cases; write the loads as [[boundary]] and "
+            "[body]",
+            term.kind);
     }
     return std::nullopt;
   };

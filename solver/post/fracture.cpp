@@ -14,6 +14,7 @@
 #include "solver/half_cracks.hpp"
 #include "solver/recovery.hpp"
 #include "solver/shared_tips.hpp"
+#include "solver/tip_fields.hpp"
 
 #include "solver/system.hpp"
 
@@ -27,7 +28,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 
 namespace kerf {
 
@@ -75,29 +75,6 @@ std::array<Ring, rings> place_rings(double radius) {
   return ring;
 }
 
-using Auxiliary = LocalState;
-
-/// A tip under unit K_I, under unit K_II, under a unit force along x, at x in its frame and at that angle:
-/// Z = 1/sqrt(2 pi z) [Westergaard 1939]; s_rr = -cos(angle)/(pi r).
-/// turn = (kappa + 1)/(4 mu), kappa + 1 = 2 + 8 mu c [theory: F.1, F.2]. `angle` and not x decides on which side of the
-/// cut the root is: at a face x is the same for both.
-std::array<Auxiliary, auxiliary> auxiliary_fields(const Material& m, const Vec2& x, double angle) {
-  if (!isotropic(m)) return orthotropic_tip_fields(m, x, angle);
-  const double r = x.norm(), turn = (2 + 8 * m.mu * m.c) / (4 * m.mu);
-  const std::complex<double> Z = std::polar(1 / std::sqrt(2 * pi * r), -angle / 2),
-                             slope = -0.5 * Z / std::complex(x.x(), x.y());
-  const double shear_I = -x.y() * slope.real(), shear_II = Z.real() - x.y() * slope.imag();
-  const Eigen::Vector4d s_I(Z.real() - x.y() * slope.imag(), shear_I, shear_I, Z.real() + x.y() * slope.imag());
-  const Eigen::Vector4d s_II(2 * Z.imag() + x.y() * slope.real(), shear_II, shear_II, -x.y() * slope.real());
-  const Vec2 e = x / r;
-  const Eigen::Vector4d s_force =
-      -e.x() / (pi * r) * Eigen::Vector4d(e.x() * e.x(), e.x() * e.y(), e.x() * e.y(), e.y() * e.y());
-  const auto field = [&](const Eigen::Vector4d& s, double rotation) {
-    return Auxiliary{tensor(s), tensor(displacement_gradient(m, s, rotation))};
-  };
-  return {field(s_I, -turn * Z.imag()), field(s_II, turn * Z.real()), field(s_force, -turn * e.y() / (2 * pi * r))};
-}
-
 /// Rows: integrals for K_I, K_II, T, J. One column per ring.
 using Integrals = Eigen::Matrix<double, auxiliary + 1, rings>;
 using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in the columns
@@ -121,8 +98,8 @@ Eigen::Matrix4Xd eigenstrain_beyond_tip(const Model& model, const Disc& disc, In
 }
 
 /// The rotation enters the gradient alone; the mean rotation of the disc is taken out of it, which changes no integral.
-Auxiliary in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation,
-                   const Eigen::Vector4d& free = Eigen::Vector4d::Zero()) {
+LocalState in_frame(const Disc& disc, Eigen::Vector4d stress, double rotation,
+                    const Eigen::Vector4d& free = Eigen::Vector4d::Zero()) {
   // The skew part of s is pure error, orthogonal to linear functions: without it s is nearer to the exact stress.
   stress[1] = stress[2] = 0.5 * (stress[1] + stress[2]);
   const Mat2& frame = disc.tip.frame;
@@ -173,7 +150,7 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
     const double r = at.norm(), w = area(shape) * weight[i];
     const auto [s, d] = in_frame(disc, f.stress.col(i), f.rotation[i], free.col(i));
     const LocalState other = less(disc, {s, d}, at);
-    const auto unit = auxiliary_fields(disc.material, at, angle_about(disc.tip, at));
+    const auto unit = tip_fields(disc.material, at, angle_about(disc.tip, at));
     Vectors P;
     Eigen::Vector4d rest = Eigen::Vector4d::Zero();  // the factor of q
     for (int k = 0; k < auxiliary; ++k)
@@ -444,8 +421,8 @@ Integrals work_of_tractions(const Disc& disc, std::span<const Face> faces) {
   for (const Face& face : faces) {
     if (disc.tip.vertices[face.edge].norm() >= disc.ring.front().outer) break;
     for (const Spot& p : spots(disc.tip, face.edge)) {
-      const auto upper = auxiliary_fields(disc.material, p.at, p.upper),
-                 lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * pi);
+      const auto upper = tip_fields(disc.material, p.at, p.upper),
+                 lower = tip_fields(disc.material, p.at, p.upper - 2 * pi);
       const Vec2 through = traction(face, p) - disc.smooth.at(p.at).stress * p.n;
       for (int k = 0; k < rings; ++k)
         for (int i = 0; i < auxiliary; ++i)
@@ -492,7 +469,7 @@ Integrals work_of_fluid_rest(const Disc& disc, const CrackLaw& law, std::span<co
   for (int k = 0; k < rings; ++k)
     for (int i = 0; i < auxiliary; ++i) {
       const auto gradient = [&](double r, double angle) {
-        return auxiliary_fields(disc.material, Vec2(-r, 0), angle)[static_cast<std::size_t>(i)].gradient(1, 0);
+        return tip_fields(disc.material, Vec2(-r, 0), angle)[static_cast<std::size_t>(i)].gradient(1, 0);
       };
       std::vector<double> breaks = ends;
       breaks.insert(breaks.end(), {disc.ring[k].inner, disc.ring[k].outer});
@@ -504,8 +481,8 @@ Integrals work_of_fluid_rest(const Disc& disc, const CrackLaw& law, std::span<co
     }
   for (const Face* face : with_rest)
     for (const Spot& p : spots(disc.tip, face->edge)) {
-      const auto upper = auxiliary_fields(disc.material, p.at, p.upper),
-                 lower = auxiliary_fields(disc.material, p.at, p.upper - 2 * pi);
+      const auto upper = tip_fields(disc.material, p.at, p.upper),
+                 lower = tip_fields(disc.material, p.at, p.upper - 2 * pi);
       for (int k = 0; k < rings; ++k)
         for (int i = 0; i < auxiliary; ++i)
           sum(i, k) += p.weight * cut_off(disc.ring[k], p.at.norm()) * fluid_pressure(*face, p.place) *
@@ -546,7 +523,7 @@ Row work_on_faces(const Disc& disc, std::span<const Face> faces) {
 
 /// The fields beside a chord, turned into the direction of the curve.
 /// Both tensors are turned as the direction of the chord turns into that of the curve at the same place.
-Auxiliary along_curve(const Auxiliary& f, const Vec2& chord, const Spot& p) {
+LocalState along_curve(const LocalState& f, const Vec2& chord, const Spot& p) {
   const Vec2 along = -chord.normalized();
   const double c = along.dot(p.t), s = cross(along, p.t);
   const Mat2 turn = (Mat2() << c, -s, s, c).finished();
@@ -555,9 +532,9 @@ Auxiliary along_curve(const Auxiliary& f, const Vec2& chord, const Spot& p) {
 
 /// P . n less the part of the traction s n on the auxiliary fields, and less all of it in J.
 /// P_j n_j = (s : grad u') n_1 - (s n) . u'_,1 - (s' n) . u_,1: the second term is that of work_of_tractions.
-Eigen::Vector4d flux(const Material& m, const Spot& p, const Auxiliary& f, bool upper) {
+Eigen::Vector4d flux(const Material& m, const Spot& p, const LocalState& f, bool upper) {
   const Vec2 out = upper ? Vec2(-p.n) : p.n;
-  const auto unit = auxiliary_fields(m, p.at, upper ? p.upper : p.upper - 2 * pi);
+  const auto unit = tip_fields(m, p.at, upper ? p.upper : p.upper - 2 * pi);
   Eigen::Vector4d sum;
   for (int k = 0; k < auxiliary; ++k)
     sum[k] = f.stress.cwiseProduct(unit[k].gradient).sum() * out.x() - (unit[k].stress * out).dot(f.gradient.col(0));
@@ -567,7 +544,7 @@ Eigen::Vector4d flux(const Material& m, const Spot& p, const Auxiliary& f, bool 
 
 /// What that leaves out in J, (s n) . [u_,1], one face's share. Faces in contact stay so as they slide: n . [u_,t] is
 /// the slip times the curvature, much smoother than the gradients beside the chords. A fluid follows either face.
-double work_of_sliding(const Face& face, const Spot& p, const Auxiliary& f, bool upper, double curvature) {
+double work_of_sliding(const Face& face, const Spot& p, const LocalState& f, bool upper, double curvature) {
   const double normal = along_face(face, p.place, &CrackPoint::sigma_n),
                shear = along_face(face, p.place, &CrackPoint::sigma_t),
                slip = along_face(face, p.place, &CrackPoint::jump_t);
@@ -605,8 +582,8 @@ Integrals over_curved_faces(const Model& model, const Field& state, const Disc& 
       for (std::size_t i = 0; i < all.size(); ++i) {
         const Eigen::Index column = static_cast<Eigen::Index>(i);
         const Spot& p = all[i];
-        const Auxiliary beside = in_frame(disc, f.stress.col(column), f.rotation[column], free.col(column)),
-                        here = bowed ? beside : along_curve(beside, b - a, p);
+        const LocalState beside = in_frame(disc, f.stress.col(column), f.rotation[column], free.col(column)),
+                         here = bowed ? beside : along_curve(beside, b - a, p);
         Eigen::Vector4d through = flux(disc.material, p, less(disc, here, p.at), upper);
         through[auxiliary] = flux(disc.material, p, here, upper)[auxiliary];
         if (disc.eigenstrain != 0)  // J takes the elastic energy
@@ -722,7 +699,7 @@ Integrals work_on_half_face(const Model& model, const Field& state, const Disc& 
     const Index e = tip.edges[edge], inside = model.mesh.sides[e][model.mesh.sides[e][0] == none ? 1 : 0];
     for (const Spot& p : spots(tip, edge)) {
       const Vec2 load = load_on(model, tip, e, p.at), through = load - disc.smooth.at(p.at).stress * n;
-      const auto unit = auxiliary_fields(disc.material, p.at, tip.half * pi);
+      const auto unit = tip_fields(disc.material, p.at, tip.half * pi);
       double beside = 0;
       if (edge >= poor && !load.isZero(0)) {
         const Vec2 x = tip.at + tip.frame * p.at;

@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// As the auxiliary fields of fracture.cpp: of unit K_I, of unit K_II [Sih, Paris, Irwin 1965], of a unit force along
+/// As tip_fields: of unit K_I, of unit K_II [Sih, Paris, Irwin 1965], of a unit force along
 /// x, at x in the frame of the tip and at that angle. `m` as seen in that frame. Roots of the material may be equal
 /// [theory: O.9, O.10, O.11].
 std::array<LocalState, 3> orthotropic_tip_fields(const Material& m, const Vec2& x, double angle);

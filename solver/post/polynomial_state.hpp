@@ -4,15 +4,11 @@
 
 #include "kerf/scene.hpp"
 #include "solver/shared_tips.hpp"
+#include "solver/tip_fields.hpp"
 
 #include <vector>
 
 namespace kerf {
-
-/// A stress and the gradient d_j u_i of the displacement that belongs to it.
-struct LocalState {
-  Mat2 stress, gradient;
-};
 
 /// Isotropic: phi' = sum a_n z^n, psi' = sum b_n z^n, n <= degree, z = (x + iy)/scale [Muskhelishvili 1953; theory:
 /// F.7], and a state under the uniform body force `force`.

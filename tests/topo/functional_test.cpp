@@ -62,6 +62,8 @@ std::vector<Named> terms() {
                     1, [](const Vec2& x, const Vec2& n) -> Vec2 { return 0.3 * n + Vec2(0.1, x.x()); },
                     [=](const Vec2& x, const Vec2&) { return weight(x); })},
       {"turning", scenes::turning()},
+      {"opening_mode", stress_intensity({.along = {1, 0}}, {1, 0}, {0.3, 0.9}, {}, 0)},
+      {"sliding_mode", stress_intensity({TipQuantity::SlidingMode, {1, 0}}, {1, 0}, {0.3, 0.9}, {})},
   };
   return all;
 }
@@ -142,12 +144,12 @@ std::string name_of(const testing::TestParamInfo<Gradient::ParamType>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bdms, Gradient,
-                         testing::Combine(testing::Range(0, 11),
+                         testing::Combine(testing::Range(0, 13),
                                           testing::Values(Load{}, Load{.poisson = 0.49}, Load{.poisson = 0.4999999},
                                                           Load{.poisson = 0.5}, Load{.closed = true})),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Elements, Gradient,
-                         testing::Combine(testing::Range(0, 11),
+                         testing::Combine(testing::Range(0, 13),
                                           testing::Values(Load{.degree = 2}, Load{.degree = 3}, Load{.element = "afw"},
                                                           Load{.element = "peers"}, Load{.element = "bdms-c"},
                                                           Load{.element = "arnold-winther-nc"})),

@@ -38,6 +38,9 @@ std::vector<Named> terms(const VectorField& body = {}) {
           {"stress_pnorm", stress_pnorm(4, middle, true)},
           {"misfit", misfit(2, measured)},
           {"energy_release_rate", energy_release_rate({0.4, 0}, {1, 0}, {0.06, 0.2}, body)},
+          {"opening_mode", stress_intensity({.along = {1, 0}}, {0.4, 0}, {0.06, 0.2}, body, 0)},
+          {"sliding_mode", stress_intensity({TipQuantity::SlidingMode, {1, 0}}, {0.4, 0}, {0.06, 0.2}, body)},
+          {"equivalent_intensity", stress_intensity({TipQuantity::Equivalent, {1, 0}}, {0.4, 0}, {0.06, 0.2}, body)},
           {"crack_opening", crack_opening(0, {})},
           {"crack_pressure", crack_pressure(0, {}, {})}};
 }

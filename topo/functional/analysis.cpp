@@ -15,6 +15,7 @@
 #include "topo/analysis.hpp"
 #include "topo/functional/edge_crack_norm.hpp"
 #include "topo/functional/integrate.hpp"
+#include "topo/functional/tip.hpp"
 #include "topo/max_stress.hpp"
 
 #include <fmt/core.h>
@@ -395,6 +396,11 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
   if (has_contact(model.scene)) a.biactive_length = summed(length_of(model, state));
   const bool self_adjoint_work = summed(has_self_adjoint_work(model) ? 0 : 1) == 0;
   for (const Term& term : j.terms) {
+    if (term.tip && summed(at_closed_tip(term, model, state) ? 1 : 0) > 0) {
+      a.term_value.push_back(0);
+      a.slope.push_back(0);
+      continue;
+    }
     // The decision is the same on all processes: `self_adjoint_work` is a sum over them.
     const bool differentiates = !value_only && !term.measured && !term.energy && !(term.work && self_adjoint_work);
     double value = 0;
@@ -409,7 +415,7 @@ Analysis analyze(const Functional& j, const Model& model, const Field& state, co
       value = integral(term, model, state);
     }
     value = summed(value);
-    if (term.power != 1 && value < 0)
+    if (term.power != 1 && value < 0 && !term.tip)  // of a tip it is 0 up to the mesh
       throw Error(Fault::Usage, fmt::format("the integral of \"{}\" is negative: its weight must not be", term.kind));
     const double norm = term.power == 1 ? value : std::pow(std::max(value, 0.0), term.power),
                  result = term.largest ? largest(term, model, state, body) : norm;

@@ -76,7 +76,7 @@ std::optional<Dimension> dimension_of(const Functional& j) {
     std::string_view kind;
     Dimension dimension;
   };
-  const std::array<Known, 14> known{{{"energy", dimension::energy},
+  const std::array<Known, 15> known{{{"energy", dimension::energy},
                                      {"compliance", dimension::energy},
                                      {"misfit", dimension::energy},
                                      {"volume", dimension::area},
@@ -88,6 +88,7 @@ std::optional<Dimension> dimension_of(const Functional& j) {
                                      {"worst_edge_crack", {1, 0.5 + (term.edge_cracks ? 1 / term.edge_cracks->p : 0)}},
                                      {"max_stress", {1, 0}},
                                      {"energy_release_rate", dimension::release_rate},
+                                     {"stress_intensity", {1, 0.5}},
                                      {"crack_opening", {0, 2}},
                                      {"crack_pressure", {2, 1}}}};
   const auto found = std::ranges::find(known, j.kind, &Known::kind);

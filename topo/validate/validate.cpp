@@ -13,6 +13,7 @@
 #include "kerf/adaptive.hpp"
 #include "kerf/stop.hpp"
 #include "topo/analysis.hpp"
+#include "topo/functional/tip.hpp"
 #include "topo/map/fields.hpp"
 #include "topo/map/green.hpp"
 #include "topo/map/jumps.hpp"
@@ -149,6 +150,11 @@ class Validating {
     require_expansion(scene, j, r_.perturbation);
     if (!certified(own_.state)) throw Error(Fault::Numerics, "the body of the validation could not be solved");
     require_supports(j_, own_.model);
+    for (const Term& term : j_.terms)
+      if (at_closed_tip(term, own_.model, own_.state))
+        throw Error(Fault::Usage,
+                    "contact closes the tip: K_I is 0, and stays so for small changes of the body, so that there is "
+                    "nothing to compare; take mode = \"II\" or \"eq\"");
     jumps_ = jumps_of_data(own_.model, j_);
     if (r_.points.empty()) r_.points = chosen_points({analysis_, j_, r_, shape_});
   }

@@ -105,7 +105,12 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{
             "[functional]\nkind = 'energy_release_rate'\ncrack = 'c'\ntip = 'end'\nring = [0.1, 0.6]",
             "a.toml:21:8: ring in [functional]: the outline is only 0.5 from the end of crack \"c\"; the outer radius "
-            "must be smaller"}));
+            "must be smaller"},
+        Wrong{"[functional]\nkind = 'stress_intensity'\ncrack = 'c'\ntip = 'end'\nmode = 'III'",
+              "a.toml:21:8: unknown mode in [functional] \"III\"; did you mean \"II\"?"},
+        Wrong{"[functional]\nkind = 'energy_release_rate'\ncrack = 'c'\ntip = 'end'\nmode = 'I'",
+              "a.toml:21:1: \"mode\" in [functional] does not go with kind = \"energy_release_rate\", which takes "
+              "crack, tip, ring"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Sums, WrongJob,
@@ -185,6 +190,25 @@ INSTANTIATE_TEST_SUITE_P(
               "smaller count or a larger ratio"},
         Wrong{"[validate]\npoints = [[1, 0.2]]\nradii = { largest = 0.1, ratio = 0.5, cuont = 4 }",
               "a.toml:19:39: unknown key \"cuont\" in radii in [validate]; did you mean \"count\"?"}));
+
+TEST(Functional, StressIntensityOfFacesThatDoOtherWork) {
+  const auto of = [](const std::string& crack) {
+    return error(square + "[[crack]]\nname = 'm'\n" + crack +
+                 "\n[functional]\nkind = 'stress_intensity'\ncrack = 'm'\ntip = 'start'");
+  };
+  const std::string path = "path = [[0.5, 0.5], [1, 0.5]]\n",
+                    end = "; kerf solve gives K and G of its tips, or use another functional";
+  EXPECT_EQ(of(path + "friction = 0.3"),
+            "a.toml:11:1: [functional]: the faces of crack \"m\" have friction, whose work "
+            "stress_intensity does not count" +
+                end);
+  EXPECT_EQ(of(path + "pressure = 1"),
+            "a.toml:11:1: [functional]: the faces of crack \"m\" carry a pressure, whose "
+            "work stress_intensity does not count" +
+                end);
+  EXPECT_EQ(of("arc = { center = [1, 0.5], radius = 0.2, from_deg = 0, to_deg = 90 }"),
+            "a.toml:10:1: [functional]: crack \"m\" is an arc, and stress_intensity takes a straight one" + end);
+}
 
 TEST(Functional, CracksWithoutPressureAndTipsThatAreNone) {
   EXPECT_EQ(error(square + "[[crack]]\nname = 'm'\npath = [[0, 0.5], [1, 0.5]]\ncontact = 'open'\n"
