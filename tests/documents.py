@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """documents.py SOURCE PROGRAM: what the documents say is so. Commands in ```console blocks are run, and print what stands
-below them; a run has the summary that its tutorial shows; cases in ```toml blocks of the README and the tutorials are read by kerf check; the README is short;
-CITATION.cff is valid; it and CHANGELOG.md have the version of the program."""
+below them; a run has the summary that its tutorial shows; kerf check reads the cases in ```toml blocks of the README, the
+tutorials and the guides, and those in examples; the README is short; CITATION.cff is valid; it and CHANGELOG.md have the version of the program."""
 
 import os
 import pathlib
@@ -59,6 +59,13 @@ def try_cases(path, folder):
     return count
 
 
+def try_examples(folder):
+    for path in sorted((source / "examples").glob("*.toml")):
+        code, errors = kerf(["check", str(path), "-o", "out/example", "--force"], folder)
+        if code:
+            problems.append(f"{path.relative_to(source)}: kerf check says {errors}")
+
+
 def check_objective():
     """The objective of the developer's tutorial is the one that tests/contributing.sh adds and validates."""
     text = (source / "tests/contributing.sh").read_text(encoding="utf-8")
@@ -111,8 +118,10 @@ with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
     os.symlink(source / "cases", folder / "cases")
     commands = sum(try_commands(path, folder) for path in ["docs/faq.md"])
-    pages = ["README.md", *(str(p.relative_to(source)) for p in sorted((source / "docs/tutorials").glob("*.md")))]
+    pages = ["README.md", *(str(p.relative_to(source)) for wing in ("tutorials", "guide")
+                            for p in sorted((source / "docs" / wing).glob("*.md")))]
     cases = sum(try_cases(path, folder) for path in pages)
+    try_examples(folder)
     os.symlink(source / "docs", folder / "docs")
     check_run("docs/tutorials/engineer.md", folder)
 check_objective()
