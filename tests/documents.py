@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """documents.py SOURCE PROGRAM: what the documents say is so. Commands in ```console blocks are run, and print what stands
 below them; a run has the summary that its tutorial shows; kerf check reads the cases in ```toml blocks of the README, the
-tutorials and the guides, and those in examples; the README is short; CITATION.cff is valid; it and CHANGELOG.md have the version of the program."""
+tutorials and the guides, and those in examples; the README is short; CITATION.cff is valid; it, codemeta.json and CHANGELOG.md have the version of
+the program; the paper has what JOSS asks for; every licence has its text."""
 
+import json
 import os
 import pathlib
 import re
@@ -11,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 
 source, program = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 VERSION = (source / "VERSION").read_text().strip()
@@ -104,6 +107,42 @@ def check_citation():
         problems.append(f"CITATION.cff: the version is {VERSION}")
 
 
+def check_paper():
+    """paper/paper.md: the sections and the length that JOSS asks for, sources that are in paper.bib, and DOIs of the bibliography."""
+    text = (source / "paper/paper.md").read_text(encoding="utf-8")
+    bib = (source / "paper/paper.bib").read_text(encoding="utf-8")
+    sections = re.findall(r"^# (.*)$", text, re.M)
+    for missing in {"Summary", "Statement of need", "State of the field", "Software design", "Research impact statement",
+                    "AI usage disclosure", "References"} - set(sections):
+        problems.append(f"paper/paper.md has no section {missing}")
+    words = len(text.split("---", 2)[2].split())
+    if not 750 <= words <= 1750:
+        problems.append(f"paper/paper.md has {words} words; 750 to 1750 are asked for")
+    entries, cited = set(re.findall(r"^@\w+\{(\w+),", bib, re.M)), set(re.findall(r"@([A-Z]\w+\d{4})", text))
+    if entries != cited:
+        problems.append(f"paper/paper.md and paper.bib differ: {sorted(entries ^ cited)}")
+    known = (source / "docs/theory/bibliography.md").read_text(encoding="utf-8")
+    for doi in re.findall(r"doi = \{(.*?)\}", bib):
+        if doi not in known and doi != "10.1515/jnum-2012-0013":  # of FreeFEM, which the theory does not cite
+            problems.append(f"paper/paper.bib: {doi} is not in the bibliography")
+
+
+def check_licences():
+    """REUSE.toml: every pattern has files, every licence its text; codemeta.json has the version of the program."""
+    tables = tomllib.loads((source / "REUSE.toml").read_text(encoding="utf-8"))["annotations"]
+    for table in tables:
+        for pattern in [table["path"]] if isinstance(table["path"], str) else table["path"]:
+            if not any(source.glob(pattern)):
+                problems.append(f"REUSE.toml: {pattern} has no files")
+        for name in table["SPDX-License-Identifier"].split(" AND "):
+            if not (source / "LICENSES" / f"{name}.txt").exists():
+                problems.append(f"REUSE.toml: LICENSES/{name}.txt is missing")
+    if (source / "LICENSES/GPL-3.0-or-later.txt").read_bytes() != (source / "LICENSE").read_bytes():
+        problems.append("LICENSES/GPL-3.0-or-later.txt is not LICENSE")
+    if json.loads((source / "codemeta.json").read_text(encoding="utf-8"))["version"] != VERSION:
+        problems.append(f"codemeta.json: the version is {VERSION}")
+
+
 def check_changelog():
     """The sections of Keep a Changelog; the newest that has a number is the version's."""
     text = (source / "CHANGELOG.md").read_text(encoding="utf-8")
@@ -126,6 +165,8 @@ with tempfile.TemporaryDirectory() as name:
     check_run("docs/tutorials/engineer.md", folder)
 check_objective()
 check_citation()
+check_paper()
+check_licences()
 check_changelog()
 lines = len((source / "README.md").read_text(encoding="utf-8").splitlines())
 if lines > 120:
