@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """documents.py SOURCE PROGRAM: what the documents say is so. Commands in ```console blocks are run, and print what stands
-below them; a run has the summary that its tutorial shows; kerf check reads the cases in ```toml blocks of the README, the
+below them; a run has the summary that its tutorial shows, as have the cases of docs/guide/modelling.md; kerf check reads the cases in ```toml blocks of the README, the
 tutorials and the guides, and those in examples; the README is short; CITATION.cff is valid; it, codemeta.json and CHANGELOG.md have the version of
 the program; the paper has what JOSS asks for; every licence has its text."""
 
@@ -59,6 +59,25 @@ def try_cases(path, folder):
         count += 1
         if code:
             problems.append(f"{path}:{line}: kerf check says {errors}")
+    return count
+
+
+def check_solutions(path, folder):
+    """A case with lines of a summary below it: kerf solve prints them, in this order."""
+    text = (source / path).read_text(encoding="utf-8")
+    count = 0
+    for found in re.finditer(r"^```toml\n(.*?)^```\n\n```text\n(.*?)^```$", text, re.M | re.S):
+        (folder / "solved.toml").write_text(found[1], encoding="utf-8")
+        quick = [word for key in ("html", "png", "vtk") for word in ("--set", f"output.{key}=false")]
+        done = subprocess.run([program, "solve", "solved.toml", "-o", "out/solved", "--force", *quick], cwd=folder,
+                              capture_output=True, text=True)
+        summary = done.stdout.splitlines()
+        for expected in found[2].splitlines():
+            if expected not in summary:
+                problems.append(f"{path}:{text[:found.start()].count(chr(10)) + 1}: the summary has no line {expected!r}")
+                continue
+            summary = summary[summary.index(expected) + 1:]
+        count += 1
     return count
 
 
@@ -161,6 +180,7 @@ with tempfile.TemporaryDirectory() as name:
                             for p in sorted((source / "docs" / wing).glob("*.md")))]
     cases = sum(try_cases(path, folder) for path in pages)
     try_examples(folder)
+    solved = check_solutions("docs/guide/modelling.md", folder)
     os.symlink(source / "docs", folder / "docs")
     check_run("docs/tutorials/engineer.md", folder)
 check_objective()
@@ -171,7 +191,7 @@ check_changelog()
 lines = len((source / "README.md").read_text(encoding="utf-8").splitlines())
 if lines > 120:
     problems.append(f"README.md has {lines} lines; 120 are allowed")
-if commands < 10 or cases < 1:
-    problems.append(f"only {commands} commands and {cases} cases were found")
-print("\n".join(problems) or f"{commands} commands say what the documents say, {cases} cases are read")
+if commands < 10 or cases < 1 or solved < 10:
+    problems.append(f"only {commands} commands, {cases} cases and {solved} solutions were found")
+print("\n".join(problems) or f"{commands} commands say what the documents say, {cases} cases are read, {solved} solved")
 sys.exit(bool(problems))
