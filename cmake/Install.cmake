@@ -46,9 +46,10 @@ if(KERF_PROGRAM)
     COMPONENT program)
   install(DIRECTORY cases DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT program)
   install(FILES docs/kerf.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT program)
-  install(FILES README.md CHANGELOG.md CITATION.cff docs/case-files.md docs/command-line.md docs/results.md docs/faq.md
-    docs/limits.md docs/method.md docs/install.md
+  install(FILES README.md CHANGELOG.md CITATION.cff docs/command-line.md docs/results.md docs/faq.md
+    docs/limits.md docs/install.md
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/kerf COMPONENT program)
+  install(DIRECTORY docs/case-files docs/method DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/kerf COMPONENT program)
 endif()
 if(KERF_BENCH)
   list(APPEND programs kerf-bench)

@@ -18,7 +18,7 @@ else
       "$program" "$command" --help | sed 's/\\/\\e/g; s/^\./\\\&./; s/-/\\-/g'
       printf '.fi\n\n'
     done
-    printf '[FILES]\nThe keys of case files are told by\n.B kerf keys\nand in /usr/share/doc/kerf (case-files.md);\ncases to begin from are in /usr/share/kerf/cases.\n'
+    printf '[FILES]\nThe keys of case files are told by\n.B kerf keys\nand in /usr/share/doc/kerf/case-files;\ncases to begin from are in /usr/share/kerf/cases.\n'
   } >"$more"
 fi
 help2man --no-info --name="$name" --version-string="$(sed -n '1s/.* //p' <<<"$version")" --include="$more" "$program" | gzip -9n >"$page"

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """documents.py SOURCE PROGRAM: what the documents say is so. Commands in ```console blocks are run, and print what stands
-below them; a run has the summary that its tutorial shows, as have the cases of docs/guide/modelling.md; kerf check reads the cases in ```toml blocks of the README, the
-tutorials and the guides, and those in examples; the README is short; CITATION.cff is valid; it, codemeta.json and CHANGELOG.md have the version of
-the program; the paper has what JOSS asks for; every licence has its text."""
+below them; a run has the summary that its tutorial shows, as have the cases of docs/guide/modelling.md; cases in
+```toml blocks of the README, the tutorials, the guides and the pages of docs/case-files are read by kerf check, as are
+those in examples; the README is short; CITATION.cff is valid; it, codemeta.json and CHANGELOG.md have the version of the
+program; the paper has what JOSS asks for; every licence has its text."""
 
 import json
 import os
@@ -81,11 +82,35 @@ def check_solutions(path, folder):
     return count
 
 
-def try_examples(folder):
+def try_example_files(folder):
     for path in sorted((source / "examples").glob("*.toml")):
         code, errors = kerf(["check", str(path), "-o", "out/example", "--force"], folder)
         if code:
             problems.append(f"{path.relative_to(source)}: kerf check says {errors}")
+
+
+# What an example of a page of keys leaves out.
+BODY = {
+    "domain": '[domain]\noutline = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = ["bottom", "right", "top", "left"]\n',
+    "material": "[material]\nyoung = 1\npoisson = 0.3\n",
+    "boundary": '[[boundary]]\non = "left"\ndisplacement = [0, 0]\n',
+}
+
+
+def try_examples(path, folder):
+    """Examples of the pages of docs/case-files, with the body of BODY where they have none, are read by kerf check."""
+    count = 0
+    for line, block in blocks(path, "toml"):
+        if "file =" in block:
+            continue  # the file is the reader's
+        tables = set(re.findall(r"^\[+(\w+)", block, re.M))
+        text = block + "".join(table for name, table in BODY.items() if name not in tables)
+        (folder / "block.toml").write_text(text, encoding="utf-8")
+        code, errors = kerf(["check", "block.toml", "-o", "out/check", "--force"], folder)
+        count += 1
+        if code:
+            problems.append(f"{path}:{line}: kerf check says {errors}")
+    return count
 
 
 def check_objective():
@@ -168,7 +193,7 @@ def check_changelog():
     releases = re.findall(r"^## (.*)$", text, re.M)
     if releases[:2] != ["[Unreleased]", f"[{VERSION}]"]:
         problems.append(f"CHANGELOG.md: its first sections are {releases[:2]}, not [Unreleased] and [{VERSION}]")
-    for unknown in set(re.findall(r"^### (.*)$", text, re.M)) - {"Added", "Changed", "Fixed", "Removed"}:
+    for unknown in set(re.findall(r"^### (.*)$", text, re.M)) - {"Added", "Changed", "Fixed", "Removed", "Case files that change"}:
         problems.append(f"CHANGELOG.md: a section is called {unknown}")
 
 
@@ -179,10 +204,11 @@ with tempfile.TemporaryDirectory() as name:
     pages = ["README.md", *(str(p.relative_to(source)) for wing in ("tutorials", "guide")
                             for p in sorted((source / "docs" / wing).glob("*.md")))]
     cases = sum(try_cases(path, folder) for path in pages)
-    try_examples(folder)
+    try_example_files(folder)
     solved = check_solutions("docs/guide/modelling.md", folder)
     os.symlink(source / "docs", folder / "docs")
     check_run("docs/tutorials/engineer.md", folder)
+    cases += sum(try_examples(str(p.relative_to(source)), folder) for p in sorted((source / "docs/case-files").glob("*.md")))
 check_objective()
 check_citation()
 check_paper()

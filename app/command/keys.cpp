@@ -15,12 +15,16 @@ namespace kerf {
 namespace {
 
 std::string made_anew(const std::filesystem::path& folder, const std::vector<CommandWords>& commands) {
-  const std::filesystem::path document = folder / "case-files.md", schema = folder / "kerf.schema.json",
+  const std::filesystem::path pages = folder / "case-files", schema = folder / "kerf.schema.json",
                               completion = folder / "kerf.bash";
-  write_file(document, with_key_tables(read_file(document)));
+  std::error_code failed;
+  const std::filesystem::directory_iterator found(pages, failed);
+  if (failed) throw Error(Fault::Files, fmt::format("cannot read {}: {}", pages.string(), failed.message()));
+  for (const auto& entry : found)
+    if (entry.path().extension() == ".md") write_file(entry.path(), with_key_tables(read_file(entry.path())));
   write_file(schema, keys_as_schema());
   write_file(completion, keys_as_completion(commands));
-  return fmt::format("wrote {}, {} and {}\n", document.string(), schema.string(), completion.string());
+  return fmt::format("wrote {}, {} and {}\n", pages.string(), schema.string(), completion.string());
 }
 
 }  // namespace

@@ -12,9 +12,8 @@ struct KeysRequest {
   std::string folder;      // where the files that are made from the table are made anew
 };
 
-/// What is to be printed. With a folder: case-files.md (its tables of keys), kerf.schema.json and kerf.bash in it are
-/// made anew. Throws Error(Usage) for a name or a shell that there is not, Error(Files) where the folder has no
-/// case-files.md.
+/// The text to print. With a folder: its pages case-files/*.md (between their marks), kerf.schema.json and kerf.bash
+/// are made anew. Throws Error(Usage) for an unknown name or shell, Error(Files) for a folder without case-files.
 std::string keys(const KeysRequest& request, const std::vector<CommandWords>& commands);
 
 }  // namespace kerf

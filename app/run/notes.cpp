@@ -125,7 +125,7 @@ std::vector<std::string> notes_on_faces(const std::vector<CrackResult>& cracks) 
 }
 
 /// Measured on 89 random bodies with holes, fillets, slots and rings, meshes by default, bdms: the largest von Mises
-/// stress of chords against the truth, least and largest difference. docs/method.md has the table.
+/// stress of chords against the truth, least and largest difference. docs/method/state.md has the table.
 std::string chords_may_cost(const Element& e) {
   if (e.name != "bdms" && e.name != "afw") return "is that of a polygon, and may be off by a tenth and more";
   return e.degree == 1   ? "may be 9 % too small to 5 % too large"

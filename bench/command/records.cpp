@@ -1,7 +1,7 @@
 // The results of the benches as tables (CSV) and JSON. A section function makes the JSON object of a row, and the
 // columns of the table are its keys: a default row gives the head, each row its cells, so that both always agree.
 // Numbers that are not finite are null, and empty cells. machines.json is read back, since rows are measured by
-// programs of their own (machines.cpp). docs/benchmarks.md says what the columns mean.
+// programs of their own (machines.cpp). bench/README.md says what the columns mean.
 
 #include "bench/command/records.hpp"
 

@@ -2,7 +2,7 @@
 // the exact map where the field is known, in relative L1 at the centroids, 0.1 and more from tips, where T is infinite;
 // runs at 10,000, 100,000 and a million triangles with the share of each phase; validations of three functionals beside
 // the state. A sequence ends at an error of 1e-5 or where the next level, at 2.3 times the last, would overrun its
-// share. docs/benchmarks.md has the results.
+// share. docs/history/benchmarks.md has the results.
 
 #include "bench/measure/map.hpp"
 

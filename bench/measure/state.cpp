@@ -3,7 +3,7 @@
 // below 1e-5 or its share of the time would be overrun: the next level is taken to cost 2.3 times the last one. What a
 // sequence leaves of its share goes to those after it. Where no closed form is known errors are against a reference,
 // down to three times the reference's own. From the sequences follow the times to given errors (compare.cpp), kerf's
-// and those of other programs. docs/benchmarks.md has the results.
+// and those of other programs. docs/history/benchmarks.md has the results.
 
 #include "bench/measure/state.hpp"
 

@@ -4,7 +4,7 @@
 // on the compliance is compared with densities at the volume at which they would have that compliance, by the slope of
 // log volume against log compliance of two runs. Beside these, where asked for: the spread over starts, sizes and
 // budgets, a problem with published values, the share of remeshing in an iteration, and meshes of random designs. What
-// one run cannot do is a note and does not end the others. docs/benchmarks.md has the results.
+// one run cannot do is a note and does not end the others. docs/history/benchmarks.md has the results.
 
 #include "bench/optimize/optimize.hpp"
 

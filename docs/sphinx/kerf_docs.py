@@ -34,7 +34,7 @@ def read(app, docname, source):
     if docname == "theory/bibliography":
         text = ENTRY.sub(lambda found: f'- <span id="{slug(found[1])}"></span>**[{found[1]}]**', text)
     if docname == "index" and pathlib.Path(app.srcdir, "python").with_suffix(".md").exists():  # it comes with the module
-        text = text.replace("\ncase-files\nresults\n", "\ncase-files\npython\nresults\n")
+        text = text.replace("\ncase-files/index\nresults\n", "\ncase-files/index\npython\nresults\n")
     if docname == "theory/README":  # the chapters in the order of its table
         text += toctree(re.findall(r"^\|.*\]\((\w+)\.md\)", text, re.M))
     if docname == "validation/index":

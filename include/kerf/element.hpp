@@ -153,7 +153,7 @@ constexpr bool has_unseen_traces(const Element& e) {
   return e.cut == Cut::LinearDivergence && e.at_vertices == AtVertices::Nothing;
 }
 
-// What an element can do. Every refusal asks these functions, and docs/case-files.md is tested against them.
+// What an element can do. Every refusal asks these functions, and docs/case-files/solver.md is tested against them.
 
 /// Cracks whose faces part: a stress that is continuous at vertices ties them together there.
 constexpr bool can_open(const Element& e) {

@@ -5,7 +5,7 @@
 // evaluator serves one caller at a time. A pool holds those at rest, in 64 slots of a cache line each; taking one out
 // is one atomic exchange, and a lock is needed only to make a new one. A value that is not finite at the end is an
 // error with the point; in a definition it is none, since the branch that has it may not be taken. An expression
-// without x, y, nx, ny is evaluated once. docs/case-files.md lists the functions.
+// without x, y, nx, ny is evaluated once. docs/case-files/index.md lists the functions.
 
 #include "io/case/expression.hpp"
 

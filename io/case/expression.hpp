@@ -18,7 +18,7 @@ struct Definition {
   std::string text;
 };
 
-/// Variables x, y, nx, ny; constants pi, E, nu; functions as docs/case-files.md lists them (log is natural). The
+/// Variables x, y, nx, ny; constants pi, E, nu; functions as docs/case-files/index.md lists them (log is natural). The
 /// result may be called from several threads at once. Throws Error(Usage): what is wrong, the column in the expression,
 /// what would be right. The result throws Error(Usage) with the expression and the point where its value is not finite;
 /// values of definitions in between may be infinite or NaN, so that a branch not taken does no harm.

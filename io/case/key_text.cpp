@@ -1,8 +1,9 @@
-// The table of keys as text: `kerf keys` for a terminal (lines of at most 100 columns), tables in Markdown between the
-// marks <!-- keys: --> of a document, and one key with its value, default, example and alternatives. A name that is not
-// a path is searched for in all tables, so that `kerf keys radius` finds every radius; without any hit the nearest name
-// is suggested.
+// The table of keys as text: `kerf keys` for a terminal (lines of at most 100 columns), headings and facts in Markdown
+// between the marks <!-- keys: --> of a document, and one key with its value, default, example and alternatives. A name
+// that is not a path is searched for in all tables, so that `kerf keys radius` finds every radius; without any hit the
+// nearest name is suggested.
 
+#include "io/case/key_facts.hpp"
 #include "io/case/keys.hpp"
 #include "io/keys.hpp"
 #include "io/words.hpp"
@@ -237,30 +238,42 @@ std::pair<const Key*, std::string> walk(View path) {
   return {key, table};
 }
 
-/// Text in a table of Markdown.
+/// Text in Markdown: what looks like a tag is none.
 std::string escaped(View text) {
   std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '|' ? "\\|" : std::string(1, c);
+  for (const char c : text)
+    out += c == '<' ? "&lt;" : c == '*' || c == '_' ? fmt::format("\\{}", c) : std::string(1, c);
   return out;
 }
 
-std::string table_of(View path, const Key& section) {
+/// A key under a heading of its full path, whose anchor is the path without dots and brackets.
+std::string entry(const Key& key, View called) {
+  std::string out =
+      fmt::format("### `{}`\n\n{}\n\n**Value:** {}", called, escaped(key.text), escaped(value_in_words(key)));
+  const auto add = [&](View what, View text) {
+    if (!text.empty()) out += fmt::format(". **{}:** {}", what, text);
+  };
+  const View unit = unit_of(key);
+  if (unit != "none") add("Unit", escaped(unit));
+  add("Default", key.rules.required ? "none, it is needed" : escaped(key.otherwise));
+  add("One of", escaped(alternatives(key)));
+  add("Goes with", escaped(goes_with(key)));
+  if (!key.example.empty() && !has(key.type, Word) && !has(key.type, Boolean) && !has(key.type, Name))
+    add("Example", fmt::format("`{}`", key.example));
+  out += ".\n\n";
+  if (const View refused = refused_with(key); !refused.empty())
+    out += fmt::format("**Refused:** {}.\n\n", escaped(refused));
+  return out;
+}
+
+std::string entries_of(View path, const Key& section) {
   std::vector<Listed> keys;
   list_keys(path, "", keys);
-  std::string out = fmt::format("`{}`: {}\n\n", header(path), section.text);
-  if (keys.empty()) return out;
-  out += "| key | value | default | meaning |\n|---|---|---|---|\n";
-  for (const Listed& l : keys) {
-    const Key& key = *l.key;
-    std::string text(key.text);
-    if (const std::string others = alternatives(key); !others.empty()) text += fmt::format(" One of {}.", others);
-    if (const std::string with = goes_with(key); !with.empty()) text += fmt::format(" Goes with {}.", with);
-    if (!key.example.empty() && !has(key.type, Word) && !has(key.type, Boolean) && !has(key.type, Name))
-      text += fmt::format(" Example: `{}`.", key.example);
-    out += fmt::format("| `{}` | {} | {} | {} |\n", l.name, value_in_words(key),
-                       key.rules.required ? "needed" : key.otherwise, escaped(text));
-  }
-  return out + "\n";
+  std::string out = fmt::format("## `{}`\n\n{}\n\n", header(path), escaped(section.text));
+  if (const View refused = refused_with(section); !refused.empty())
+    out += fmt::format("**Refused:** {}.\n\n", escaped(refused));
+  for (const Listed& l : keys) out += entry(*l.key, fmt::format("{}.{}", path, l.name));
+  return out;
 }
 
 }  // namespace
@@ -287,16 +300,13 @@ std::string keys_as_text(std::string_view wanted) {
 
 std::string keys_as_markdown(const std::vector<std::string>& tables) {
   std::string out;
-  std::vector<Listed> top;
   for (const Key& key : all_keys()) {
     const std::string section = plain(key.path);
     const bool wanted = tables.empty() || std::any_of(tables.begin(), tables.end(), [&](const std::string& table) {
                           return section == table || section.starts_with(table + ".");
                         });
-    if (wanted && is_section(key)) out += table_of(key.path, key);
-    if (wanted && parent(key.path).empty() && !is_section(key))
-      out +=
-          fmt::format("`{}`: {} Value: {}; default: {}.\n\n", name(key), key.text, value_in_words(key), key.otherwise);
+    if (wanted && is_section(key)) out += entries_of(key.path, key);
+    if (wanted && parent(key.path).empty() && !is_section(key)) out += entry(key, name(key));
   }
   return out;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The keys of a case file, one row each: what the reader allows, what `kerf keys` prints, what the tables of
-// docs/case-files.md, the JSON Schema and the shell completion are made from.
+// The keys of a case file, one row each: what the reader allows, what `kerf keys` prints, what the pages of
+// docs/case-files, the JSON Schema and the shell completion are made from. Units and refusals are in key_facts.cpp.
 
 #include "kerf/types.hpp"
 

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace kerf::keys_test {
 
@@ -55,9 +56,13 @@ TEST(KeysCommand, PrintsAllOneOrSaysWhatWasMeant) {
 TEST(KeysCommand, TheCommittedFilesAreThoseThatItMakes) {
   const fs::path folder = fs::temp_directory_path() / "kerf-keys-test";
   fs::create_directories(folder);
-  fs::copy_file(docs / "case-files.md", folder / "case-files.md", fs::copy_options::overwrite_existing);
+  fs::copy(docs / "case-files", folder / "case-files",
+           fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   EXPECT_EQ(kerf_keys("--write " + folder.string()).code, 0);
-  for (const char* name : {"case-files.md", "kerf.schema.json", "kerf.bash"})
+  std::vector<fs::path> made = {"kerf.schema.json", "kerf.bash"};
+  for (const auto& entry : fs::directory_iterator(docs / "case-files"))
+    made.push_back("case-files" / entry.path().filename());
+  for (const fs::path& name : made)
     EXPECT_TRUE(read_all(folder / name) == read_all(docs / name))
         << "docs/" << name << " is not what the table of keys says: kerf keys --write docs makes it anew";
   EXPECT_EQ(std::system(("bash -n " + (folder / "kerf.bash").string()).c_str()), 0);

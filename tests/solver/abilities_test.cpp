@@ -31,7 +31,7 @@ struct Table {
   std::map<std::string, std::vector<std::string>> of;
 };
 Table table_of_elements() {
-  std::ifstream in(std::filesystem::path(KERF_CASES).parent_path() / "docs/case-files.md");
+  std::ifstream in(std::filesystem::path(KERF_CASES).parent_path() / "docs/case-files/solver.md");
   Table table;
   for (std::string line; std::getline(in, line);) {
     if (line.rfind("| element |", 0) == 0)

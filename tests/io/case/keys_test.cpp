@@ -2,6 +2,7 @@
 // cases, and what bash offers.
 
 #include "io/case/keys.hpp"
+#include "io/case/key_facts.hpp"
 
 #include "io/case/reader.hpp"
 #include "io/keys.hpp"
@@ -227,17 +228,33 @@ TEST(Keys, TextFindsKeysByTheirNames) {
 }
 
 TEST(Keys, TheDocumentAndTheSchemaAreMadeFromThem) {
-  const std::string document = read_text(docs / "case-files.md");
-  EXPECT_TRUE(with_key_tables(document) == document)
-      << "docs/case-files.md is not what the table of keys says: kerf keys --write docs makes it anew";
+  std::string all;
+  for (const auto& entry : fs::directory_iterator(docs / "case-files")) {
+    const std::string page = read_text(entry.path());
+    EXPECT_TRUE(with_key_tables(page) == page)
+        << entry.path() << " is not what the table of keys says: kerf keys --write docs makes it anew";
+    all += page;
+  }
   EXPECT_TRUE(read_text(docs / "kerf.schema.json") == keys_as_schema())
       << "docs/kerf.schema.json is not what the table of keys says: kerf keys --write docs makes it anew";
-  for (const Key* key : keys_in(""))
-    EXPECT_NE(document.find(fmt::format("`[{}]`", name(*key))) == std::string::npos &&
-                  document.find(fmt::format("`[[{}]]`", name(*key))) == std::string::npos &&
-                  document.find(fmt::format("`{}`", name(*key))) == std::string::npos,
-              true)
-        << name(*key) << " is not in docs/case-files.md";
+  for (const Key& key : all_keys()) {
+    const bool inside_entry = key.path.find("[].") != std::string_view::npos && key.path.starts_with("load_case");
+    const std::string path(key.path.ends_with("[]") ? key.path.substr(0, key.path.size() - 2) : key.path);
+    EXPECT_TRUE(inside_entry || all.find(fmt::format("## `{}`", path)) != std::string::npos ||
+                all.find(fmt::format("## `[{}]`", path)) != std::string::npos ||
+                all.find(fmt::format("## `[[{}]]`", path)) != std::string::npos)
+        << key.path << " has no heading in docs/case-files";
+  }
+}
+
+TEST(Keys, EveryNumberHasAUnit) {
+  for (const Key& key : all_keys())
+    EXPECT_TRUE(!is_numeric(key) || !unit_of(key).empty())
+        << key.path << ": say its unit, or \"none\", in io/case/key_facts.cpp";
+  EXPECT_EQ(unit_of(*find_key("mesh.size")), "length");
+  EXPECT_EQ(unit_of(*find_key("grow.law.K_c")), "stress * sqrt(length)");
+  EXPECT_EQ(unit_of(*find_key("material.poisson")), "none");
+  EXPECT_EQ(refused_with(*find_key("load_case[]")), "without [optimize]");
 }
 
 TEST(Keys, TheSchemaAcceptsEveryCase) {
