@@ -14,6 +14,7 @@ extensions = ["myst_parser", "kerf_docs"]
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 3
 exclude_patterns = ["sphinx"]
+smartquotes = False  # values of keys are copied
 html_theme = "furo"
 html_title = f"kerf {release}"
 html_static_path = ["sphinx/static"]

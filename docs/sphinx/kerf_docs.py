@@ -1,5 +1,5 @@
 """What Sphinx does not do by itself for these documents, which are read on GitHub, too: formulas in ```math set by KaTeX
-without a network, (T.3) as a link to that equation, [Author year] as a link to the bibliography."""
+without a network, (T.3) as a link to that equation, [Author year] as a link to the bibliography, pages that open from disk."""
 
 import pathlib
 import re
@@ -8,7 +8,11 @@ from docutils import nodes
 
 KATEX = pathlib.Path("/usr/share/javascript/katex")
 EQUATION = re.compile(r"\(([A-Z]\.\d+)\)")
+GUIDES = ["guide/index", "glossary", "cpp-reference", "support", "roadmap"]
 SOURCE = re.compile(r"\[([^\[\]]*\b(?:1[89]|20)\d\d)\]")
+IMPORT = re.compile(r'^import \w+ from "[^"]*";\n', re.M)
+ROOTED = re.compile(r'(?:src|href)="/[^"]*"|<script[^>]*type="module"')
+ABSOLUTE = re.compile(r"@import url\((/[^)]*)\);")
 ENTRY = re.compile(r"^- \*\*\[(.*?)\]\*\*", re.M)
 
 
@@ -24,8 +28,8 @@ def collect(app):
     app.kerf_sources = set(ENTRY.findall((theory / "bibliography.md").read_text(encoding="utf-8")))
 
 
-def toctree(pages):
-    return "\n".join(["", "```{toctree}", ":hidden:", "", *pages, "```", ""])
+def toctree(pages, *options):
+    return "\n".join(["", "```{toctree}", ":hidden:", *options, "", *pages, "```", ""])
 
 
 def read(app, docname, source):
@@ -35,6 +39,10 @@ def read(app, docname, source):
         text = ENTRY.sub(lambda found: f'- <span id="{slug(found[1])}"></span>**[{found[1]}]**', text)
     if docname == "index" and pathlib.Path(app.srcdir, "python").with_suffix(".md").exists():  # it comes with the module
         text = text.replace("\ncase-files/index\nresults\n", "\ncase-files/index\npython\nresults\n")
+    if docname == "index":  # guides that no list of the page has yet
+        there = [guide for guide in GUIDES if pathlib.Path(app.srcdir, guide + ".md").exists() and f"\n{guide}\n" not in text]
+        look_up = "\n```{toctree}\n:caption: Look up\n"
+        text = text.replace(look_up, (toctree(there, ":caption: Guides") if there else "") + look_up)
     if docname == "theory/README":  # the chapters in the order of its table
         text += toctree(re.findall(r"^\|.*\]\((\w+)\.md\)", text, re.M))
     if docname == "validation/index":
@@ -99,6 +107,29 @@ def copy_katex(app, error):
     shutil.copytree(KATEX / "fonts", to / "fonts", dirs_exist_ok=True, symlinks=False)
 
 
+def open_from_disk(app, error):
+    """Debian's furo imports a module and takes a style from the root of a server; a page opened from disk can do neither.
+    Here the module stands in the script, and the style in the style sheet."""
+    if error or app.builder.format != "html":
+        return
+    static = pathlib.Path(app.outdir, "_static")
+    script, module = static / "scripts/furo.js", static / "scripts/gumshoe-patched.js"
+    text = script.read_text(encoding="utf-8")
+    if IMPORT.search(text):
+        script.write_text(module.read_text(encoding="utf-8") + IMPORT.sub("", text), encoding="utf-8")
+    sheet = static / "styles/furo.css"
+    text = sheet.read_text(encoding="utf-8")
+
+    def style(found):
+        file = pathlib.Path("/usr/share", found[1].lstrip("/"))
+        return file.read_text(encoding="utf-8") if file.exists() else ""
+
+    sheet.write_text(ABSOLUTE.sub(style, text), encoding="utf-8")
+    for page in pathlib.Path(app.outdir).rglob("*.html"):
+        if found := ROOTED.search(page.read_text(encoding="utf-8")):
+            raise RuntimeError(f"{page} cannot be opened from disk: {found[0]}")
+
+
 def setup(app):
     if not (KATEX / "katex.min.js").exists():
         raise RuntimeError(f"{KATEX} is not there: install libjs-katex and fonts-katex")
@@ -108,4 +139,5 @@ def setup(app):
     app.connect("doctree-resolved", link)
     app.connect("html-page-context", page)
     app.connect("build-finished", copy_katex)
+    app.connect("build-finished", open_from_disk)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
