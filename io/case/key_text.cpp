@@ -241,8 +241,7 @@ std::pair<const Key*, std::string> walk(View path) {
 /// Text in Markdown: what looks like a tag is none.
 std::string escaped(View text) {
   std::string out;
-  for (const char c : text)
-    out += c == '<' ? "&lt;" : c == '*' || c == '_' ? fmt::format("\\{}", c) : std::string(1, c);
+  for (const char c : text) out += c == '<' ? "&lt;" : c == '*' ? "\\*" : std::string(1, c);
   return out;
 }
 
@@ -255,7 +254,7 @@ std::string entry(const Key& key, View called) {
   };
   const View unit = unit_of(key);
   if (unit != "none") add("Unit", escaped(unit));
-  add("Default", key.rules.required ? "none, it is needed" : escaped(key.otherwise));
+  add("Default", key.rules.required ? "none (needed)" : escaped(key.otherwise));
   add("One of", escaped(alternatives(key)));
   add("Goes with", escaped(goes_with(key)));
   if (!key.example.empty() && !has(key.type, Word) && !has(key.type, Boolean) && !has(key.type, Name))

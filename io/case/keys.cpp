@@ -562,7 +562,7 @@ constexpr Key rows[] = {
     {"functional.of",
      Word,
      {.words = largest_stress_words, .with = "max_stress"},
-     "Largest stress of which kind: von Mises, or the larger principal stress without its sign.",
+     "Kind of stress: von Mises, or the larger principal stress without its sign.",
      "\"principal\"",
      "\"von_mises\""},
     {"functional.except",
