@@ -196,10 +196,12 @@ std::string about(const Key& key, const std::string& path) {
     if (!text.empty()) out += fmt::format("  {:<11}{}", what, wrapped(text, 13));
   };
   add("value", value_in_words(key));
+  if (const View unit = unit_of(key); unit != "none") add("unit", std::string(unit));
   add("default", default_in_words(key));
   if (!key.example.empty()) add("example", fmt::format("{} = {}", name(key), key.example));
   add("one of", alternatives(key));
   add("goes with", goes_with(key));
+  add("refused", std::string(refused_with(key)));
   std::vector<Listed> keys;
   if (!key.rules.like.empty()) list_keys(key.rules.like, "", keys);
   list_keys(key.path, "", keys);

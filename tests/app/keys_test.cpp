@@ -44,7 +44,7 @@ TEST(KeysCommand, PrintsAllOneOrSaysWhatWasMeant) {
   const Outcome one = kerf_keys("mesh.size");
   EXPECT_EQ(one.code, 0);
   EXPECT_EQ(one.out,
-            "mesh.size\n  Target edge length.\n\n  value      number, positive\n"
+            "mesh.size\n  Target edge length.\n\n  value      number, positive\n  unit       length\n"
             "  default    1/40 of the body's diagonal; of a mesh from a file its mean\n  example    size = 0.1\n");
   const Outcome wrong = kerf_keys("mehs.size");
   EXPECT_EQ(wrong.code, 2);
