@@ -97,7 +97,7 @@ BODY = {
 }
 
 
-def try_examples(path, folder):
+def try_key_examples(path, folder):
     """Examples of the pages of docs/case-files, with the body of BODY where they have none, are read by kerf check."""
     count = 0
     for line, block in blocks(path, "toml"):
@@ -208,7 +208,7 @@ with tempfile.TemporaryDirectory() as name:
     solved = check_solutions("docs/guide/modelling.md", folder)
     os.symlink(source / "docs", folder / "docs")
     check_run("docs/tutorials/engineer.md", folder)
-    cases += sum(try_examples(str(p.relative_to(source)), folder) for p in sorted((source / "docs/case-files").glob("*.md")))
+    cases += sum(try_key_examples(str(p.relative_to(source)), folder) for p in sorted((source / "docs/case-files").glob("*.md")))
 check_objective()
 check_citation()
 check_paper()
