@@ -1,6 +1,7 @@
 #pragma once
 // Case -> files. The whole toolkit in one page of calls.
 
+#include "app/point_values.hpp"
 #include "app/run/collect.hpp"
 #include "app/run/journal.hpp"
 #include "kerf/case_file.hpp"
@@ -15,6 +16,7 @@ struct RunFields {
   PlotData state;             // at corners of split_for_stress
   Eigen::VectorXd indicator;  // of the error, per triangle
   FullMap map;                // empty without a map everywhere
+  ReadPoints at;              // values anywhere; keeps the solution, and no factor
 };
 
 /// Runs the jobs and writes every file of the interface; result.json after all others but the page, and once more last.

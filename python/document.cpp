@@ -2,8 +2,8 @@
 // it is a kind; arrays and numbers of numpy come by tolist(), paths by __fspath__(). Positions are paths such as
 // crack[0].path, so that messages name them. A callable becomes a function of (x, y) or (x, y, nx, ny), by the number
 // of its arguments; it may be called from several threads, each of which takes the interpreter first. What it raises is
-// kept (the first only), and the computation gets an Error in its place. References are given back with the interpreter
-// held.
+// kept (the first only), and the computation gets an Error in its place. Where a case takes a vector it may return both
+// components. References are given back with the interpreter held.
 
 #include "python/document.hpp"
 
@@ -52,7 +52,7 @@ std::string type_name(py::handle value) {
   return Py_TYPE(value.ptr())->tp_name;
 }
 
-/// A number behind an interpreter that need not be held by whoever calls it.
+/// A number or two behind an interpreter that need not be held by whoever calls it.
 class Callable {
  public:
   Callable(py::object function, int arguments, std::shared_ptr<Trouble> trouble)
@@ -64,21 +64,76 @@ class Callable {
     Py_DECREF(function_);
   }
 
-  double operator()(const Vec2& x, const Vec2& n) const {
+  double number(const Vec2& x, const Vec2& n) const {
     const py::gil_scoped_acquire python;
-    PyObject* const out = arguments_ == 4 ? PyObject_CallFunction(function_, "dddd", x.x(), x.y(), n.x(), n.y())
-                                          : PyObject_CallFunction(function_, "dd", x.x(), x.y());
+    PyObject* const out = call(x, n);
     const double value = out ? PyFloat_AsDouble(out) : nan;
     Py_XDECREF(out);
-    if (!PyErr_Occurred()) return value;
+    if (PyErr_Occurred()) fail(x);
+    return value;
+  }
+
+  Vec2 pair(const Vec2& x, const Vec2& n) const {
+    const py::gil_scoped_acquire python;
+    try {
+      const auto out = py::reinterpret_steal<py::object>(call(x, n));
+      if (!out) fail(x);
+      const auto two = helper("two_numbers")(out).cast<std::pair<double, double>>();
+      return {two.first, two.second};
+    } catch (py::error_already_set& e) {
+      e.restore();
+      fail(x);
+    }
+  }
+
+  py::object function() const {
+    return py::reinterpret_borrow<py::object>(function_);
+  }
+
+ private:
+  static py::object helper(const char* name) {
+    return py::module_::import("kerf._functions").attr(name);
+  }
+
+  /// Null where it raises. A function that is written for arrays alone gets arrays of one number.
+  PyObject* call(const Vec2& x, const Vec2& n) const {
+    if (!for_arrays_) {
+      PyObject* const out = arguments_ == 4 ? PyObject_CallFunction(function_, "dddd", x.x(), x.y(), n.x(), n.y())
+                                            : PyObject_CallFunction(function_, "dd", x.x(), x.y());
+      if (out || !(PyErr_ExceptionMatches(PyExc_TypeError) || PyErr_ExceptionMatches(PyExc_IndexError))) return out;
+    }
+    PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
+    PyErr_Fetch(&type, &value, &trace);
+    const py::object given =
+        arguments_ == 4 ? py::make_tuple(x.x(), x.y(), n.x(), n.y()) : py::make_tuple(x.x(), x.y());
+    PyObject* const out =
+        PyObject_CallFunctionObjArgs(helper("called_with_arrays").ptr(), function_, given.ptr(), nullptr);
+    if (out || for_arrays_) {
+      for_arrays_ = true;
+      for (PyObject* one : {type, value, trace}) Py_XDECREF(one);
+      return out;
+    }
+    PyErr_Restore(type, value, trace);  // what it said of numbers
+    return nullptr;
+  }
+
+  [[noreturn]] void fail(const Vec2& x) const {
     trouble_->keep();
     throw Error(Fault::Usage, fmt::format("the function failed at ({:.6g}, {:.6g})", x.x(), x.y()));
   }
 
- private:
   PyObject* function_;
   int arguments_;
+  mutable bool for_arrays_ = false;  // whoever looks at it holds the interpreter
   std::shared_ptr<Trouble> trouble_;
+};
+
+/// As an expression that still knows its function.
+struct AsNumber {
+  std::shared_ptr<const Callable> of;
+  double operator()(const Vec2& x, const Vec2& n) const {
+    return of->number(x, n);
+  }
 };
 
 class Conversion {
@@ -157,7 +212,8 @@ class Conversion {
     node.kind = Node::Kind::Function;
     node.text = words;
     const auto held = std::make_shared<const Callable>(py::reinterpret_borrow<py::object>(function), count, trouble_);
-    node.function = [held](const Vec2& x, const Vec2& n) { return (*held)(x, n); };
+    node.function = AsNumber{held};
+    node.pair = [held](const Vec2& x, const Vec2& n) { return held->pair(x, n); };
   }
 
   /// What numpy, pathlib and others have in place of Python's own: arrays and their numbers, paths.
@@ -172,7 +228,40 @@ class Conversion {
   const std::shared_ptr<Trouble>& trouble_;
 };
 
+py::object number_in_python(const Node& node) {
+  if (node.kind == Node::Kind::Integer) return py::int_(static_cast<long long>(node.number));
+  return py::float_(node.number);
+}
+
 }  // namespace
+
+py::object in_python(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::Boolean:
+      return py::bool_(node.boolean);
+    case Node::Kind::Integer:
+    case Node::Kind::Float:
+      return number_in_python(node);
+    case Node::Kind::String:
+      return py::str(node.text);
+    case Node::Kind::Function:
+      if (const auto* number = node.function.target<AsNumber>()) return number->of->function();
+      break;
+    case Node::Kind::Array: {
+      py::list out;
+      for (const Node& item : node.items) out.append(in_python(item));
+      return out;
+    }
+    case Node::Kind::Table: {
+      py::dict out;
+      for (const Entry& entry : node.entries) out[py::str(entry.key)] = in_python(entry.value);
+      return out;
+    }
+    case Node::Kind::Date:
+      break;
+  }
+  throw Error(Fault::Usage, to_string(node.position) + ": a date is no value of a case");
+}
 
 Node value_node(py::handle value, const std::string& path, const std::shared_ptr<Trouble>& trouble) {
   return Conversion(trouble).convert(value, path, 1);

@@ -31,6 +31,9 @@ class Trouble {
   bool by_callback_ = false;
 };
 
+/// A document in Python's own values, with the functions of Python that stand in it. Throws Error(Usage) for dates.
+pybind11::object in_python(const Node& node);
+
 /// A value of a key, at the path.
 Node value_node(pybind11::handle value, const std::string& path, const std::shared_ptr<Trouble>& trouble);
 

@@ -8,6 +8,7 @@ import base64
 import hashlib
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -33,8 +34,12 @@ def _metadata():
     lines += [f"Project-URL: {name}, {url}" for name, url in PROJECT.get("urls", {}).items()]
     lines += [f"Requires-Python: {PROJECT['requires-python']}"]
     lines += [f"Requires-Dist: {one}" for one in PROJECT["dependencies"]]
+    for extra, packages in PROJECT.get("optional-dependencies", {}).items():
+        lines += [f"Provides-Extra: {extra}", *(f'Requires-Dist: {one}; extra == "{extra}"' for one in packages)]
     lines += ["License-File: LICENSE", "Description-Content-Type: text/markdown"]
-    return "\n".join(lines) + "\n\n" + (SOURCE / PROJECT["readme"]).read_text(encoding="utf-8")
+    readme = (SOURCE / PROJECT["readme"]).read_text(encoding="utf-8")
+    readme = re.sub(r"\[([^\]]+)\]\((?!https?:)[^)]+\)", r"\1", readme)  # links to files that no wheel has
+    return "\n".join(lines) + "\n\n" + readme
 
 
 def package(build):

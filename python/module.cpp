@@ -3,8 +3,9 @@
 // handler raised leaves once the computation has stopped. Settings of the whole process that kerf changes (threads of
 // OpenBLAS, levels of OpenMP) are given back when nothing computes any more. Arrays are read-only windows into the
 // fields of an outcome and keep it alive. An exception of a user's function is raised as the cause of kerf's error, one
-// of a callback as itself.
+// of a callback as itself. Meshes, and values at points, are copies.
 
+#include "app/body_mesh.hpp"
 #include "app/folder.hpp"
 #include "app/forecast.hpp"
 #include "app/program.hpp"
@@ -13,7 +14,9 @@
 #include "io/files.hpp"
 #include "io/growth_columns.hpp"
 #include "io/kept.hpp"
+#include "io/read_result.hpp"
 #include "kerf/stop.hpp"
+#include "optimize/designs.hpp"
 #include "plot/fonts.hpp"
 #include "python/document.hpp"
 
@@ -153,6 +156,13 @@ std::unique_ptr<PythonCase> case_of_document(const py::dict& document, const std
   Node root = node_of(document, out->trouble);
   out->functions = has_functions(root);
   compute_for(*out, [&] { out->c = read_case(std::move(root), {name, folder, "case"}, overrides); });
+  return out;
+}
+
+std::unique_ptr<PythonCase> case_of_text(const std::string& text, const std::string& name, const std::string& folder,
+                                         const std::vector<std::string>& overrides) {
+  auto out = std::make_unique<PythonCase>();
+  compute_for(*out, [&] { out->c = read_case(parse_document(text, name), {name, folder, name}, overrides); });
   return out;
 }
 
@@ -303,7 +313,7 @@ py::array_t<bool> copy_of(const std::vector<bool>& bits) {
 }
 
 py::dict arrays(const py::object& self) {
-  const auto& [mesh, state, indicator, map] = self.cast<const Outcome&>().fields;
+  const auto& [mesh, state, indicator, map, at] = self.cast<const Outcome&>().fields;
   py::dict out;
   out["points"] = window(self, mesh.points);
   out["triangles"] = window(self, mesh.triangles);
@@ -353,6 +363,143 @@ py::dict crack_arrays(const py::object& self, const std::string& name) {
   throw py::key_error(name);
 }
 
+// Copies.
+
+template <typename Values>
+py::array rows_copied(const Values& columns) {
+  py::array_t<double> out({columns.cols(), columns.rows()});
+  std::copy_n(columns.data(), columns.size(), out.mutable_data());
+  return out;
+}
+
+py::array_t<double> copy_of(const double* values, Eigen::Index count) {
+  py::array_t<double> out(static_cast<py::ssize_t>(count));
+  std::copy_n(values, count, out.mutable_data());
+  return out;
+}
+
+template <std::size_t width>
+py::array copy_of(const std::vector<std::array<Index, width>>& rows) {
+  py::array_t<Index> out({static_cast<py::ssize_t>(rows.size()), static_cast<py::ssize_t>(width)});
+  for (std::size_t i = 0; i < rows.size(); ++i) std::copy(rows[i].begin(), rows[i].end(), out.mutable_data(i, 0));
+  return out;
+}
+
+using Places = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+std::vector<Vec2> points_of(const Places& rows) {
+  if (rows.ndim() != 2 || rows.shape(1) != 2) throw Error(Fault::Usage, "points are rows of x and y: shape (n, 2)");
+  std::vector<Vec2> points;
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) points.emplace_back(rows.at(i, 0), rows.at(i, 1));
+  return points;
+}
+
+py::dict values_at(const Outcome& of, const Places& rows) {
+  const std::vector<Vec2> points = points_of(rows);
+  ValuesAt v;
+  compute([&] { v = of.fields.at(points); });
+  py::dict out;
+  out["triangle"] = py::array_t<Index>(static_cast<py::ssize_t>(v.triangle.size()), v.triangle.data());
+  out["displacement"] = rows_copied(v.displacement);
+  out["stress"] = rows_copied(v.stress);
+  out["rotation"] = copy_of(v.rotation.data(), v.rotation.size());
+  out["von_mises"] = copy_of(v.von_mises.data(), v.von_mises.size());
+  if (v.derivative.size() > 0) {
+    out["topological_derivative"] = copy_of(v.derivative.data(), v.derivative.size());
+    out["masked"] = copy_of(v.masked);
+  }
+  return out;
+}
+
+/// Triangles that hold the points, -1 outside.
+std::vector<Index> triangles_at(const Places& corners, const py::array_t<Index, py::array::c_style>& triangles,
+                                const Places& rows) {
+  std::vector<std::array<Index, 3>> all;
+  for (py::ssize_t t = 0; t < triangles.shape(0); ++t)
+    all.push_back({triangles.at(t, 0), triangles.at(t, 1), triangles.at(t, 2)});
+  const Mesh mesh = connect(points_of(corners), std::move(all), {});
+  const Locator locator = make_locator(mesh);
+  std::vector<Index> out;
+  for (const Vec2& x : points_of(rows)) out.push_back(x.allFinite() ? locate(mesh, locator, x) : none);
+  return out;
+}
+
+/// Points, triangles and their regions, and edges that mean something, by names: sides and cracks.
+py::dict mesh_arrays(const PythonCase& of) {
+  Mesh mesh;
+  compute_for(of, [&] { mesh = mesh_of_run(of.c); });
+  const Shape& shape = of.c.shape;
+  py::dict out, sides, cracks, regions;
+  Eigen::Map<const Points> points(mesh.points.empty() ? nullptr : mesh.points[0].data(), 2,
+                                  static_cast<Eigen::Index>(mesh.points.size()));
+  out["points"] = rows_copied(points);
+  out["triangles"] = copy_of(mesh.triangles);
+  std::vector<std::vector<std::array<Index, 2>>> of_label(shape.labels.size());
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (mesh.label[e] != none) of_label[static_cast<std::size_t>(mesh.label[e])].push_back(mesh.edges[e]);
+  for (std::size_t k = 0; k < of_label.size(); ++k) sides[py::str(shape.labels[k])] = copy_of(of_label[k]);
+  for (std::size_t k = 0; k < shape.cracks.size(); ++k) {
+    std::vector<std::array<Index, 2>> edges;
+    for (const auto& [edge, forward] : mesh.cracks[k]) {
+      const auto& [a, b] = mesh.edges[static_cast<std::size_t>(edge)];
+      edges.push_back(forward ? std::array{a, b} : std::array{b, a});
+    }
+    cracks[py::str(shape.cracks[k].name)] = copy_of(edges);
+  }
+  for (std::size_t k = 0; k < shape.regions.size(); ++k) {
+    std::vector<bool> inside;
+    for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
+      inside.push_back(region_of(mesh, t) == static_cast<Index>(k));
+    regions[py::str(shape.regions[k].name)] = copy_of(inside);
+  }
+  out["labels"] = sides;
+  out["cracks"] = cracks;
+  out["regions"] = regions;
+  return out;
+}
+
+/// The designs of a case, which must outlive it.
+struct PythonDesigns {
+  const PythonCase& of;
+  std::unique_ptr<DesignSpace> space = {};
+};
+
+std::unique_ptr<PythonDesigns> designs_of(const PythonCase& of, int threads) {
+  if (!of.c.optimize)
+    throw Error(Fault::Usage, "the case has no table [optimize]; add it with method and a hole or crack");
+  auto out = std::make_unique<PythonDesigns>(PythonDesigns{of});
+  compute_for(of, [&] { out->space = std::make_unique<DesignSpace>(problem_of(of.c, threads), *of.c.optimize); });
+  return out;
+}
+
+py::dict values_of(PythonDesigns& designs, const std::vector<double>& x, bool gradients) {
+  DesignValues v;
+  const Eigen::VectorXd at = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+  compute_for(designs.of, [&] { v = designs.space->evaluate(at, gradients); });
+  py::dict out;
+  out["value"] = v.value;
+  out["objective"] = v.objective;
+  out["volume_fraction"] = v.volume_fraction;
+  out["bounds"] = py::array_t<double>(static_cast<py::ssize_t>(v.bounds.size()), v.bounds.data());
+  out["constraints"] = copy_of(v.constraints.data(), v.constraints.size());
+  out["gradient"] = gradients ? py::object(copy_of(v.gradient.data(), v.gradient.size())) : py::none();
+  const Eigen::MatrixXd by_rows = v.jacobian.transpose();
+  out["jacobian"] = gradients ? py::object(rows_copied(by_rows)) : py::none();
+  out["triangles"] = v.triangles;
+  out["failure"] = v.failure;
+  return out;
+}
+
+py::array_t<double> copy_of(const Eigen::VectorXd& values) {
+  return copy_of(values.data(), values.size());
+}
+
+std::unique_ptr<Outcome> outcome_in(const std::string& folder) {
+  auto out = std::make_unique<Outcome>();
+  compute([&] { out->result = read_result(folder); });
+  return out;
+}
+
 void translate(std::exception_ptr thrown) {
   const auto raise = [](int code, const char* what) {
     const py::object made = py::module_::import("kerf._errors").attr("made")(code, what);
@@ -369,22 +516,11 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-}  // namespace
-
-PYBIND11_MODULE(_kerf, m) {
-  offer_own_font();
-  py::register_exception_translator(translate);
-  m.attr("__version__") = KERF_VERSION;
-  m.def("toml", [](py::handle value) {
-    const auto trouble = std::make_shared<Trouble>();
-    const Node node = value_node(value, "set", trouble);
-    if (has_functions(node))
-      throw Error(Fault::Usage, "a function stands in the dict of a case; what is set or swept are values");
-    return inline_text(node, Digits::Needed);
-  });
+void offer_cases(py::module_& m) {
   py::class_<PythonCase>(m, "Case")
       .def_static("of_file", &case_of_file)
       .def_static("of_document", &case_of_document)
+      .def_static("of_text", &case_of_text)
       .def_property_readonly("name", [](const PythonCase& of) { return of.c.name; })
       .def_property_readonly("title", [](const PythonCase& of) { return of.c.title; })
       .def_property_readonly("has_functions", [](const PythonCase& of) { return of.functions; })
@@ -394,6 +530,16 @@ PYBIND11_MODULE(_kerf, m) {
              for (const auto& [name, bytes] : kept.files) write_file(folder, name, bytes);
              write_file(std::filesystem::path(folder) / "case.toml", kept.text);
            })
+      .def("document", [](const PythonCase& of) { return in_python(*of.c.document); })
+      .def_property_readonly("folder", [](const PythonCase& of) { return of.c.folder.string(); })
+      .def("facts",
+           [](const PythonCase& of) {
+             const Shape& shape = of.c.shape;
+             return std::tuple(shape.cracks.size(), shape.holes.size(), shape.labels, of.c.element.name,
+                               of.c.element.degree);
+           })
+      .def("mesh", &mesh_arrays)
+      .def("designs", &designs_of, py::keep_alive<0, 1>())
       .def("text", [](const PythonCase& of) { return keep(of.c, {}).text; })
       .def("check",
            [](const PythonCase& of) {
@@ -410,6 +556,17 @@ PYBIND11_MODULE(_kerf, m) {
           },
           py::kw_only(), py::arg("job"), py::arg("folder"), py::arg("threads"), py::arg("force"), py::arg("resume"),
           py::arg("files"), py::arg("on_phase"), py::arg("on_iteration"), py::arg("on_step"));
+  py::class_<PythonDesigns>(m, "Designs")
+      .def_property_readonly("names", [](const PythonDesigns& d) { return d.space->names(); })
+      .def_property_readonly("constraints", [](const PythonDesigns& d) { return d.space->constraints(); })
+      .def_property_readonly("lower", [](const PythonDesigns& d) { return copy_of(d.space->lower()); })
+      .def_property_readonly("upper", [](const PythonDesigns& d) { return copy_of(d.space->upper()); })
+      .def_property_readonly("start", [](const PythonDesigns& d) { return copy_of(d.space->start()); })
+      .def("forget_meshes", [](PythonDesigns& d) { d.space->forget_meshes(); })
+      .def("evaluate", &values_of);
+}
+
+void offer_sweeps(py::module_& m) {
   py::class_<SweepPlan>(m, "SweepPlan")
       .def(py::init([](const std::string& case_file, const std::string& folder,
                        const std::vector<std::string>& overrides,
@@ -436,12 +593,43 @@ PYBIND11_MODULE(_kerf, m) {
       .def("write", &write_sweep_script);
   m.def("write_failure",
         [](const std::string& folder, int code, const std::string& message) { write_failure(folder, code, message); });
+}
+
+void offer_outcomes(py::module_& m) {
   py::class_<Outcome>(m, "Outcome")
       .def_property_readonly("status", [](const Outcome& o) { return o.result.status; })
       .def_property_readonly("reason", [](const Outcome& o) { return o.result.reason; })
       .def("summary", [](const Outcome& o) { return summary(o.result); })
       .def("arrays", &arrays)
+      .def_property_readonly("crack_names",
+                             [](const Outcome& o) {
+                               std::vector<std::string> names;
+                               for (const CrackResult& crack : o.result.cracks) names.push_back(crack.name);
+                               return names;
+                             })
+      .def_property_readonly("can_read", [](const Outcome& o) { return static_cast<bool>(o.fields.at); })
+      .def("at", &values_at)
       .def("crack", &crack_arrays);
+  m.def("read_result", &outcome_in);
+  m.def("triangles_at", &triangles_at);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_kerf, m) {
+  offer_own_font();
+  py::register_exception_translator(translate);
+  m.attr("__version__") = KERF_VERSION;
+  m.def("toml", [](py::handle value) {
+    const auto trouble = std::make_shared<Trouble>();
+    const Node node = value_node(value, "set", trouble);
+    if (has_functions(node))
+      throw Error(Fault::Usage, "a function stands in the dict of a case; what is set or swept are values");
+    return inline_text(node, Digits::Needed);
+  });
+  offer_cases(m);
+  offer_sweeps(m);
+  offer_outcomes(m);
 }
 
 }  // namespace kerf

@@ -18,6 +18,10 @@ std::string unseen_by_estimate(const Model& model);
 /// why the goal is not to be relied on yet.
 std::string reason_to_end(const std::vector<Round>& rounds, const std::string& unseen, const Adaptation& wanted);
 
+/// Leaves out the matrix and the factor, most of the memory of a model: its states can still be written down, drawn and
+/// read at points, and nothing can be solved with it any more.
+void drop_factor(Model& m);
+
 /// The mesh of the next round. `indicator`: of the goal, on `mesh`, which is not divided yet; `order`: of the element.
 Mesh next_mesh(const Shape& shape, const Sizing& sizing, const Adaptation& wanted, const Mesh& mesh, double order,
                const Indicator& indicator);

@@ -2,6 +2,7 @@
 
 #include "app/command/mesh.hpp"
 
+#include "app/body_mesh.hpp"
 #include "app/run/solve.hpp"
 #include "io/words.hpp"
 #include "kerf/folded.hpp"
@@ -44,6 +45,8 @@ Mesh divided_mesh(const Case& c) {
   return mesh;
 }
 
+}  // namespace
+
 /// With chords where an edge that follows a curve folds a triangle, unless mesh.curved = true.
 Mesh mesh_of_run(const Case& c) {
   try {
@@ -55,8 +58,6 @@ Mesh mesh_of_run(const Case& c) {
     return divided_mesh(straight);
   }
 }
-
-}  // namespace
 
 void require_mesh_ending(const std::filesystem::path& path) {
   if (path.extension() != ".msh" && path.extension() != ".vtu")

@@ -28,6 +28,7 @@
 #include "app/run/margins.hpp"
 #include "app/run/notes.hpp"
 #include "app/run/optimize.hpp"
+#include "app/run/point_values.hpp"
 #include "app/run/solve.hpp"
 #include "app/run/validate.hpp"
 #include "app/write/draw.hpp"
@@ -41,6 +42,7 @@
 #include "kerf/stop.hpp"
 #include "optimize/load_cases.hpp"
 #include "plot/page.hpp"
+#include "solver/adapting.hpp"
 #include "solver/divided_body.hpp"
 #include "solver/system.hpp"
 
@@ -591,6 +593,18 @@ void end(const Case& c, const Adapted& adapted, const PlotData& data, Journal& j
   write_json(journal.file("result.json"), r, Flush::Disk);
 }
 
+/// Reads values off the solution; its factor goes.
+ReadPoints reader_of(std::unique_ptr<Outcome> out, bool mapped) {
+  drop_factor(out->solved.adapted.model);
+  const auto locator = std::make_shared<const Locator>(make_locator(out->solved.adapted.model.mesh));
+  return [out = std::shared_ptr<const Outcome>(std::move(out)), locator, mapped](std::span<const Vec2> points) {
+    const MapTask task = map_task(out->c);
+    const Adapted& adapted = out->solved.adapted;
+    return values_at({adapted.model, adapted.state, out->c.plane_strain, *locator}, mapped ? &*out->analysis : nullptr,
+                     task, points);
+  };
+}
+
 /// The jobs and their files.
 Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   Result r{.version = KERF_VERSION, .case_name = read.name, .title = read.title, .units = read.units};
@@ -606,7 +620,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     end(read, copy.adapted, copy.data, journal, r);
     return r;
   }
-  const std::unique_ptr<const Outcome> out = perform(given, jobs, journal, r);
+  std::unique_ptr<Outcome> out = perform(given, jobs, journal, r);
 
   const Case& c = out->c;
   const Adapted& adapted = out->solved.adapted;
@@ -629,6 +643,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     fields->indicator = adapted.indicator.eta;
   }
   end(c, adapted, out->solved.data, journal, r);
+  if (journal.options.fields) journal.options.fields->at = reader_of(std::move(out), mapped != nullptr);
   return r;
 }
 

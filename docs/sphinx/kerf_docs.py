@@ -38,7 +38,7 @@ def read(app, docname, source):
     if docname == "theory/bibliography":
         text = ENTRY.sub(lambda found: f'- <span id="{slug(found[1])}"></span>**[{found[1]}]**', text)
     if docname == "index" and pathlib.Path(app.srcdir, "python").with_suffix(".md").exists():  # it comes with the module
-        text = text.replace("\ncase-files/index\nresults\n", "\ncase-files/index\npython\nresults\n")
+        text = text.replace("\ncase-files/index\nresults\n", "\ncase-files/index\npython\npython-reference\nresults\n")
     if docname == "index":  # guides that no list of the page has yet
         there = [guide for guide in GUIDES if pathlib.Path(app.srcdir, guide + ".md").exists() and f"\n{guide}\n" not in text]
         look_up = "\n```{toctree}\n:caption: Look up\n"

@@ -11,6 +11,8 @@
 namespace kerf {
 
 using Expression = std::function<double(const Vec2& x, const Vec2& n)>;
+/// Both components of a vector at once.
+using PairExpression = std::function<Vec2(const Vec2& x, const Vec2& n)>;
 
 /// A named subexpression of [define]; may use the ones before it.
 struct Definition {

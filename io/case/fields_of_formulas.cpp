@@ -158,12 +158,15 @@ Formula nothing() {
 }
 
 BoundaryField vector_field(const Formula& first, const Formula& second) {
+  if (first.pair && first.pair == second.pair) return BoundaryField(*first.pair);
   return BoundaryField([first = first.value, second = second.value](
                            const Vec2& x, const Vec2& n) { return Vec2(first(x, n), second(x, n)); },
                        known(first, second));
 }
 
 VectorField body_field(const Formula& first, const Formula& second) {
+  if (first.pair && first.pair == second.pair)
+    return VectorField([both = first.pair](const Vec2& x) { return (*both)(x, Vec2::Zero()); });
   if (first.syntax && second.syntax && are_same(*first.syntax, *second.syntax))
     return VectorField([one = first.value](const Vec2& x) -> Vec2 { return Vec2::Constant(one(x, Vec2::Zero())); },
                        known(first, second));

@@ -17,23 +17,47 @@ namespace kerf {
 
 namespace {
 
+void require_finite(double value, const std::string& where, const Vec2& x) {
+  if (!std::isfinite(value))
+    throw Error(Fault::Usage, fmt::format("{}the function is not finite ({}) at ({:.6g}, {:.6g}); it must have a value "
+                                          "wherever it is applied",
+                                          where, value, x.x(), x.y()));
+}
+
+/// A black box as it is called: with the place of its key before what it throws, and every component finite.
+template <typename Value>
+auto guarded(std::function<Value(const Vec2&, const Vec2&)> f, const std::string& where) {
+  return [f = std::move(f), where](const Vec2& x, const Vec2& n) {
+    Value value;
+    try {
+      value = f(x, n);
+    } catch (const Error& e) {
+      throw Error(e.fault, where + e.what());
+    }
+    if constexpr (std::is_same_v<Value, double>)
+      require_finite(value, where, x);
+    else
+      for (const double one : value) require_finite(one, where, x);
+    return value;
+  };
+}
+
+std::string words_before(const Value& field) {
+  return to_string(field.node->position) + ": " + field.name + ": ";
+}
+
 /// A black box: nothing is proved of it, data are sampled.
 Formula of_function(const Value& field) {
-  const std::string where = to_string(field.node->position) + ": " + field.name + ": ";
-  return {[f = field.node->function, where](const Vec2& x, const Vec2& n) {
-            double value = 0;
-            try {
-              value = f(x, n);
-            } catch (const Error& e) {
-              throw Error(e.fault, where + e.what());
-            }
-            if (!std::isfinite(value))
-              throw Error(Fault::Usage, fmt::format("{}the function is not finite ({}) at ({:.6g}, {:.6g}); it must "
-                                                    "have a value wherever it is applied",
-                                                    where, value, x.x(), x.y()));
-            return value;
-          },
-          std::nullopt, nullptr};
+  return {guarded(field.node->function, words_before(field)), std::nullopt, nullptr};
+}
+
+/// The same for both components at once.
+std::array<Formula, 2> of_pair(const Value& field) {
+  const auto pair = std::make_shared<const PairExpression>(guarded(field.node->pair, words_before(field)));
+  const auto component = [&](int d) {
+    return Formula{[pair, d](const Vec2& x, const Vec2& n) { return (*pair)(x, n)[d]; }, std::nullopt, nullptr, pair};
+  };
+  return {component(0), component(1)};
 }
 
 }  // namespace
@@ -48,7 +72,7 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
   if (field.node->kind == Node::Kind::Function) return of_function(field);
   if (field.node->kind != Node::Kind::String)
     fail(field.node->position, field.name + " must be a number or an expression in a string, \"1 + x\"");
-  const std::string where = to_string(field.node->position) + ": " + field.name + ": ";
+  const std::string where = words_before(field);
   try {
     definitions.context.on_boundary = on_boundary;
     const Expression parsed = parse_expression(field.node->text, definitions.context);
@@ -68,6 +92,7 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
 }
 
 std::array<Formula, 2> formulas(const Value& field, Definitions& definitions, bool on_boundary) {
+  if (field.node->kind == Node::Kind::Function) return of_pair(field);
   const std::vector<Value> xy = pair(field);
   return {formula(xy[0], definitions, on_boundary), formula(xy[1], definitions, on_boundary)};
 }

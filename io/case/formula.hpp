@@ -13,7 +13,8 @@ namespace kerf {
 struct Formula {
   Expression value;
   std::optional<double> constant;
-  std::shared_ptr<const Syntax> syntax;  // what can be proved of it, if anything
+  std::shared_ptr<const Syntax> syntax;             // what can be proved of it, if anything
+  std::shared_ptr<const PairExpression> pair = {};  // of a component: what gives both at once
 };
 /// Counts the definitions it refers to as used. `on_boundary`: nx and ny have a meaning.
 Formula formula(const Value& field, Definitions& definitions, bool on_boundary = true);

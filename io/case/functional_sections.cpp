@@ -76,7 +76,8 @@ struct Reader {
     for (const char* key : keys) {
       const auto given = find(table, key);
       if (!given) continue;
-      const bool pair = given->node->kind == Node::Kind::Array;
+      const bool pair = given->node->kind == Node::Kind::Array ||
+                        (given->node->kind == Node::Kind::Function && key == std::string_view("target"));
       const std::array<Formula, 2> parts =
           pair ? formulas(*given, definitions, false) : std::array{formula(*given, definitions, false), nothing()};
       if (term.on_crack)
@@ -156,7 +157,7 @@ struct Reader {
       if (notes) notes->insert(notes->end(), read.notes.begin(), read.notes.end());
       return misfit(labels[0], std::move(read.value));
     }
-    if (measured.node->kind != Node::Kind::Array)
+    if (measured.node->kind != Node::Kind::Array && measured.node->kind != Node::Kind::Function)
       fail(
           measured.node->position,
           measured.name + " must be a file with the columns x,y,u_x,u_y, two expressions [u_x, u_y], or \"synthetic\"");

@@ -187,8 +187,11 @@ std::string read_text(const std::filesystem::path& path) {
 }
 
 Node read_document(const std::filesystem::path& path) {
-  const std::string text = read_text(path);
-  const Position start{std::make_shared<const std::string>(path.string()), 1, 1};
+  return parse_document(read_text(path), path.string());
+}
+
+Node parse_document(std::string_view text, const std::string& name) {
+  const Position start{std::make_shared<const std::string>(name), 1, 1};
   Node document = convert(parse(text, start), start);
   for_each_file(document, [](const Node& name) { require_printable(name.text, name.position, "the name of a file"); });
   return document;

@@ -26,6 +26,7 @@ struct Node {
   double number = 0;         // of Integer too
   std::string text;          // of Function what it is called
   Expression function = {};  // in place of an expression, in documents that are no files
+  PairExpression pair = {};  // of Function: in place of the two components of a vector
   std::vector<Node> items;
   std::vector<Entry> entries;  // in the order of the file
   Position position;
@@ -38,6 +39,8 @@ struct Entry {
 
 /// Throws Error(Files) when the file cannot be read, Error(Usage) when it is not TOML.
 Node read_document(const std::filesystem::path& path);
+/// The same of a text, which messages call `name`.
+Node parse_document(std::string_view text, const std::string& name);
 
 /// The whole of a regular file. Throws Error(Files), naming what is wrong with it.
 std::string read_text(const std::filesystem::path& path);

@@ -36,12 +36,17 @@ except ImportError as _error:  # the C library refused before an instruction of 
                       name="kerf") from _error
 
 from ._case import Case
+from ._designs import Designs, DesignValues
+from ._documented import document
 from ._errors import CaseError, Error, FilesError, GeometryError, SolveError
-from ._result import Result
+from ._mesh import Mesh
+from ._result import Crack, Result, Tip, load
 from ._sweep import Sweep, sweep
+from ._values import Values
+from ._views import Named, Section
 
-for _class in (Case, CaseError, Error, FilesError, GeometryError, SolveError, Result, Sweep, sweep):
-    _class.__module__ = "kerf"
-del _class
+__all__ = ["Case", "CaseError", "Crack", "DesignValues", "Designs", "Error", "FilesError", "GeometryError", "Mesh", "Named",
+           "Result", "Section", "SolveError", "Sweep", "Tip", "Values", "__version__", "load", "sweep"]
 
-__all__ = ["Case", "CaseError", "Error", "FilesError", "GeometryError", "Result", "SolveError", "Sweep", "__version__", "sweep"]
+document({_name: globals()[_name] for _name in __all__ if _name != "__version__"})
+del document

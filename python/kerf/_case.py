@@ -6,23 +6,25 @@ import tempfile
 import weakref
 
 from . import _kerf
+from ._designs import Designs
 from ._errors import SolveError
+from ._mesh import Mesh
 from ._result import Result
+from ._views import copied, named, same
+
+
+def assignments(values):
+    """As --set of the program has them."""
+    return [f"{key}={_kerf.toml(value)}" for key, value in (values or {}).items()]
 
 
 class Case:
-    """What is computed: the path of a case file, or a dict with the same tables and keys.
-
-    ``set`` changes keys, as ``--set`` of the program does: ``{"mesh.size": 0.02, "crack.c.contact": "open"}``.
-    In a dict, a function ``f(x, y)``, or ``f(x, y, nx, ny)`` on boundaries, may stand where a file has an expression;
-    what is known of such data is what they are at sampled points, and a note of the result says so. ``folder`` is
-    where files lie that a dict names, the working folder by default.
-
-    Raises CaseError with the place of what is wrong.
-    """
+    # Docstrings of what users see stand in __init__.pyi (_documented.py).
 
     def __init__(self, source, *, set=None, name=None, folder=None):
-        self._begin((source, name, folder), [f"{key}={_kerf.toml(value)}" for key, value in (set or {}).items()])
+        if isinstance(source, Case):
+            source, name, folder = source._parts(name, folder)
+        self._begin((source, name, folder), assignments(set))
 
     @classmethod
     def _overridden(cls, origin, overrides):
@@ -32,78 +34,152 @@ class Case:
         return made
 
     def _begin(self, origin, overrides):
-        self._origin, self._overrides = origin, overrides
         source, name, folder = origin
+        where = os.fspath(folder or "")
         if isinstance(source, dict):
-            self._case = _kerf.Case.of_document(source, name or "case", os.fspath(folder or ""), overrides)
+            self._case = _kerf.Case.of_document(source, name or "case", where, overrides)
+            origin = copied(source), name, folder
+        elif self._is_text(source):
+            self._case = _kerf.Case.of_text(source, name or "case", where, overrides)
         else:
             self._case = _kerf.Case.of_file(os.fspath(source), overrides)
+        self._origin, self._overrides = origin, overrides
+        self._document = self._seen = None  # made when it is asked for; what self._case was read from
+
+    @staticmethod
+    def _is_text(source):
+        return isinstance(source, str) and "\n" in source
+
+    @property
+    def _is_file(self):
+        return not isinstance(self._origin[0], dict) and not self._is_text(self._origin[0])
+
+    def _tables(self):
+        if self._document is None:
+            self._document = named(self._case.document())
+            self._seen = copied(self._document)
+        return self._document
+
+    def _read(self):
+        """The case as it is now: read again where its tables were changed."""
+        if self._document is not None and not same(self._document, self._seen):
+            _, name, folder = self._parts()
+            seen = copied(self._document)
+            self._case = _kerf.Case.of_document(seen, name, folder, [])
+            self._origin, self._overrides, self._seen = (seen, name, folder), [], seen
+        return self._case
+
+    def _parts(self, name=None, folder=None):
+        """A document, what it is called, and where files lie that it names: what another process needs."""
+        document = copied(self._document) if self._document is not None else self._case.document()
+        return document, name or self._case.name, os.path.abspath(folder or self._case.folder or ".")
+
+    def __copy__(self):
+        made = type(self).__new__(type(self))
+        made.__dict__.update(self.__dict__)
+        made._document = copied(self._document)
+        return made
+
+    def __deepcopy__(self, memo):
+        return self.__copy__()
+
+    def __reduce__(self):
+        self._read()
+        return _remade, self._parts()
+
+    def __getitem__(self, table):
+        tables = self._tables()
+        if table not in tables:
+            raise KeyError(f"the case has no {table!r}; it has {', '.join(tables)}")
+        return tables[table]
+
+    def __setitem__(self, table, value):
+        self._tables()[table] = named(value) if isinstance(value, (dict, list)) else value
+
+    def __delitem__(self, table):
+        del self._tables()[table]
+
+    def __contains__(self, table):
+        return table in self._tables()
+
+    def __iter__(self):
+        return iter(self._tables())
+
+    def __len__(self):
+        return len(self._tables())
+
+    def keys(self):
+        return self._tables().keys()
+
+    def get(self, table, default=None):
+        return self._tables().get(table, default)
+
+    def to_dict(self):
+        return copied(self._tables())
 
     @property
     def name(self):
-        return self._case.name
+        return self._read().name
 
     @property
     def title(self):
-        return self._case.title
+        return self._read().title
 
     def __repr__(self):
-        return f"<kerf.Case {self.title!r}>"
+        cracks, holes, labels, element, degree = self._read().facts()
+        parts = [_counted(holes, "hole"), _counted(cracks, "crack"), f"sides {', '.join(labels)}", f"{element} {degree}"]
+        return f"<kerf.Case {self.title!r}: {', '.join(part for part in parts if part)}>"
 
     def text(self):
-        """The case as a file has it, with all that was set; functions stand there as their names."""
-        return self._case.text()
+        return self._read().text()
 
     def check(self):
-        """The geometry in numbers and what each label selected; solves nothing."""
-        return self._case.check()
+        return self._read().check()
 
-    def run(self, folder=None, **how):
-        """Every job that the case names: solve, map, validate, optimize."""
-        return self._run("run", folder, **how)
+    def mesh(self):
+        return Mesh(**self._read().mesh())
 
-    def solve(self, folder=None, **how):
-        """The state alone."""
-        return self._run("solve", folder, **how)
+    def designs(self, *, threads=None):
+        return Designs(self._read().designs(_threads(threads)))
 
-    def map(self, folder=None, **how):
-        """The state and the map of the topological derivative."""
-        return self._run("map", folder, **how)
+    def run(self, folder=None, *, threads=None, force=False, on_phase=None, on_iteration=None, on_step=None, resume=False):
+        return self._run("run", folder, threads=threads, force=force, on_phase=on_phase, on_iteration=on_iteration,
+                         on_step=on_step, resume=resume)
 
-    def inspect(self, length=None, folder=None, **how):
-        """The state and the worst cracks: ``result["edge_cracks"]`` has ``worst``, along the boundary, and ``inside``.
-        With ``length`` cracks of that length; without it those of [map], whose perturbation is "edge_crack"."""
+    def solve(self, folder=None, *, threads=None, force=False, on_phase=None):
+        return self._run("solve", folder, threads=threads, force=force, on_phase=on_phase)
+
+    def map(self, folder=None, *, threads=None, force=False, on_phase=None):
+        return self._run("map", folder, threads=threads, force=force, on_phase=on_phase)
+
+    def inspect(self, length=None, folder=None, *, threads=None, force=False, on_phase=None):
         case = self
         if length is not None:
+            self._read()
             case = Case._overridden(self._origin, [*self._overrides, 'map.perturbation="edge_crack"',
                                                    f"map.length={_kerf.toml(length)}"])
-        return case._run("map", folder, **how)
+        return case._run("map", folder, threads=threads, force=force, on_phase=on_phase)
 
-    def validate(self, folder=None, **how):
-        """The expansion against computations with changes of finite size."""
-        return self._run("validate", folder, **how)
+    def validate(self, folder=None, *, threads=None, force=False, on_phase=None):
+        return self._run("validate", folder, threads=threads, force=force, on_phase=on_phase)
 
-    def grow(self, folder=None, *, on_step=None, resume=False, **how):
-        """The state, and its cracks grown from their tips. ``on_step`` is called with a dict of numbers after every
-        step; what it raises ends the growth. ``resume`` goes on with the checkpoint in the folder."""
-        return self._run("grow", folder, on_step=on_step, resume=resume, **how)
+    def grow(self, folder=None, *, threads=None, force=False, on_phase=None, on_step=None, resume=False):
+        return self._run("grow", folder, threads=threads, force=force, on_phase=on_phase, on_step=on_step, resume=resume)
 
-    def optimize(self, folder=None, *, on_iteration=None, resume=False, **how):
-        """The best design. ``on_iteration`` is called with a dict of numbers after every iteration; what it raises
-        ends the optimization. ``resume`` goes on with the checkpoint in the folder."""
-        return self._run("optimize", folder, on_iteration=on_iteration, resume=resume, **how)
+    def optimize(self, folder=None, *, threads=None, force=False, on_phase=None, on_iteration=None, resume=False):
+        return self._run("optimize", folder, threads=threads, force=force, on_phase=on_phase, on_iteration=on_iteration,
+                         resume=resume)
 
     def _run(self, job, folder, *, threads=None, force=False, on_phase=None, on_iteration=None, on_step=None,
              resume=False):
         """Without a folder the files go to a temporary one, which goes with the result."""
+        case = self._read()
         where = tempfile.mkdtemp(prefix="kerf-") if folder is None else os.fspath(folder)
-        if threads is None:
-            threads = min(max(os.cpu_count() or 1, 1), 256)
         try:
-            outcome = self._case.run(
-                job=job, folder=where, threads=threads, force=force, resume=resume, files=folder is not None,
+            outcome = case.run(
+                job=job, folder=where, threads=_threads(threads), force=force, resume=resume, files=folder is not None,
                 on_phase=on_phase, on_iteration=on_iteration, on_step=on_step)
-            result = Result(outcome, where)
+            result = Result(outcome, where, case=case)
         except BaseException:
             if folder is None:
                 shutil.rmtree(where, ignore_errors=True)
@@ -113,6 +189,18 @@ class Case:
         if result.status != "ok":
             raise _unfinished(result)
         return result
+
+
+def _remade(document, name, folder):
+    return Case(document, name=name, folder=folder)
+
+
+def _counted(count, what):
+    return f"{count} {what}{'s' if count > 1 else ''}" if count else ""
+
+
+def _threads(wanted):
+    return min(max(os.cpu_count() or 1, 1), 256) if wanted is None else wanted
 
 
 def _unfinished(result):

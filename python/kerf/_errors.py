@@ -4,9 +4,6 @@ import re
 
 
 class Error(Exception):
-    """Whatever kerf cannot do. ``exit_code`` is the one of the program, ``where`` the key's path (``crack[0].path``) or
-    ``file:line:column``, or None where no key is to blame."""
-
     exit_code = 4
 
     def __init__(self, message):
@@ -15,27 +12,19 @@ class Error(Exception):
 
 
 class CaseError(Error, ValueError):
-    """A case that cannot be read, or asked for what it does not name."""
-
     exit_code = 2
 
 
 class GeometryError(Error, ValueError):
-    """A body that cannot be: the message names the crack, the hole, the label."""
-
     exit_code = 3
 
 
 class SolveError(Error, ArithmeticError):
-    """Not solvable, not converged, infeasible, too large, or stopped. ``result`` is what was found, or None."""
-
     exit_code = 4
     result = None
 
 
 class FilesError(Error, OSError):
-    """A file that cannot be read or written."""
-
     exit_code = 5
 
 

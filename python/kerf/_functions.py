@@ -3,6 +3,8 @@
 import hashlib
 import inspect
 
+import numpy
+
 
 def look_at(function):
     """How many arguments kerf gives to it (2: x, y; 4: x, y, nx, ny), and what it is called in files."""
@@ -47,3 +49,36 @@ def _is_set(cell):
     except ValueError:
         return False
     return True
+
+
+def called_with_arrays(function, place):
+    """What a function says that is written for arrays alone: arrays of one number."""
+    out = function(*(numpy.array([value]) for value in place))
+    found = numpy.asarray(out, dtype=float)
+    return found.item() if found.size == 1 else out
+
+
+def two_numbers(value):
+    """The components of a vector, however a function returns them."""
+    found = numpy.asarray(value, dtype=float).ravel()
+    if found.size != 2:
+        raise TypeError(f"a function in the place of a vector returns both components, (x, y), not {value!r}")
+    return float(found[0]), float(found[1])
+
+
+def functions_in(document):
+    """Functions by what files call them."""
+    if isinstance(document, dict):
+        document = list(document.values())
+    if isinstance(document, (list, tuple)):
+        return {words: one for item in document for words, one in functions_in(item).items()}
+    return {look_at(document)[1]: document} if callable(document) else {}
+
+
+def put_back(document, functions):
+    """A document that was read from a file, with functions for what files call them."""
+    if isinstance(document, dict):
+        return {key: put_back(one, functions) for key, one in document.items()}
+    if isinstance(document, list):
+        return [put_back(one, functions) for one in document]
+    return functions.get(document, document) if isinstance(document, str) else document

@@ -10,14 +10,12 @@ import sys
 import traceback
 
 from . import _kerf
-from ._case import Case
+from ._case import Case, assignments
 from ._errors import CaseError, Error, SolveError
+from ._missing import needed
 
 
 class Sweep:
-    """What a sweep left: ``rows`` of its table, each a dict of numbers and words; ``failures``, those that failed;
-    ``column(name)``, a list; ``folder``, where every run has a folder of its own."""
-
     def __init__(self, folder, words):
         self.folder = pathlib.Path(folder)
         self._words = words
@@ -38,9 +36,7 @@ class Sweep:
         return self._words
 
     def to_pandas(self):
-        import pandas
-
-        return pandas.DataFrame(self.rows)
+        return needed("pandas", "a table").DataFrame(self.rows)
 
     def _repr_html_(self):
         import html
@@ -56,22 +52,15 @@ def _number(cell):
         return cell
 
 
-def sweep(case, over, *, folder, set=None, jobs=None, threads=1, client=None, write=None, on_run=None):
-    """Runs the case once for every combination of values: ``over={"crack.c.path": [...], "material.poisson": [...]}``.
-
-    Every run has a folder of its own under ``folder``, as ``kerf run`` makes it. The same call again keeps what is done
-    and has the same case, and runs the rest; failures are kept and listed, and do not end the sweep. Runs are processes
-    of this machine, ``jobs`` at a time (one per core); with ``client``, of dask.distributed, tasks of its workers, which
-    must see the folder. With ``write="snakemake"`` or ``"slurm"`` nothing is run: a script is written, and what to type
-    is returned. ``on_run(name)`` is called after every run.
-    """
+def sweep(case, over, *, folder, write=None, set=None, jobs=None, threads=1, client=None, on_run=None):
     folder = pathlib.Path(folder).absolute()
     folder.mkdir(parents=True, exist_ok=True)
     if not isinstance(case, Case):
         case = Case(case)
-    origin, overrides = case._origin, case._overrides + [f"{k}={_kerf.toml(v)}" for k, v in (set or {}).items()]
+    case._read()
+    origin, overrides = case._origin, case._overrides + assignments(set)
     base = origin[0]
-    if isinstance(base, dict):
+    if not case._is_file:
         base = folder / "case.toml"
         case = Case(origin[0], name=origin[1], folder=origin[2])
         if not base.exists() or base.read_text() != case.text():

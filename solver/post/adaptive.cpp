@@ -406,7 +406,8 @@ Solved one_round(const Adapting& of, Mesh mesh, double meshing, const ContactGue
           std::move(goal)};
 }
 
-/// Matrix and factor, most of the memory, are not needed to write a state down.
+}  // namespace
+
 /// The fields that stay are those that results, pictures and profiles of cracks read.
 void drop_factor(Model& m) {
   const Inner& inner = *m.inner;
@@ -419,8 +420,6 @@ void drop_factor(Model& m) {
                                                 std::make_shared<const Factor>(LowerTriangle{}, 0), inner.floating,
                                                 inner.data});
 }
-
-}  // namespace
 
 /// `last` is the state of the round before, without its factor: what is returned when the caller stops a round halfway.
 Adapted solve_adaptively(const Shape& shape, const Sizing& given, const Element& e, const Scene& scene,
