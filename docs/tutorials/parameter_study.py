@@ -8,7 +8,7 @@ import multiprocessing
 
 import kerf
 
-# Largest stress over the pull at the ends, of a long strip of width 2 (Howland 1930, three digits).
+# Largest stress over the pull at the ends, of a long strip of width 2 (the exact solution of Howland, to three digits).
 HOWLAND = {0.1: 3.03, 0.2: 3.14, 0.3: 3.36, 0.4: 3.74}
 
 strip = kerf.Case({
@@ -17,6 +17,7 @@ strip = kerf.Case({
     "material": {"young": 1000.0, "poisson": 0.3, "state": "plane stress"},
     "boundary": [{"on": ["bottom", "top"], "traction": [0, "ny"]}],
     "mesh": {"size": 0.3},
+    "output": {"margins": True},
 }, name="strip")
 
 
@@ -24,7 +25,7 @@ def with_radius(radius):
     """A copy of the case with another hole. Tables of a case are read and changed like dicts."""
     case = kerf.Case(strip)
     case["hole"]["h"]["circle"]["radius"] = radius
-    case["mesh"]["size"] = radius / 2
+    case["mesh"]["size"] = min(0.1, radius / 2)
     return case
 
 

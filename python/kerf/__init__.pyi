@@ -311,7 +311,7 @@ class Result:
         ``field``: "von_mises", "displacement" (its length), "displacement_x", "displacement_y", "stress_xx", "stress_yy",
         "stress_xy", "rotation", "topological_derivative" (masked parts are left white), "lower", "upper",
         "error_indicator" or "mesh". ``scale`` times the displacement deforms the body. Colors end where 99.5 % of the
-        corners do, since stresses at tips have no largest value, unless ``vmin`` and ``vmax`` say otherwise.
+        area do, since stresses at tips have no largest value, unless ``vmin`` and ``vmax`` say otherwise.
 
         Raises ``ImportError`` with a sentence without matplotlib, ``ValueError`` for another field.
         """
@@ -401,7 +401,7 @@ class Tip(Section):
 class Named(list[_T], Generic[_T]):
     """A list whose items can be asked for by number and by name."""
 
-    @overload
+    @overload  # type: ignore[override]
     def __getitem__(self, key: str | SupportsIndex) -> _T:
         """The item of that number or name. Raises ``KeyError`` that lists the names, or ``IndexError``."""
     @overload

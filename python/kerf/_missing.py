@@ -2,7 +2,7 @@
 
 import importlib
 
-_packages = {"matplotlib": "matplotlib", "pandas": "pandas", "pyvista": "pyvista", "meshio": "meshio"}
+_packages = {"matplotlib": "matplotlib", "pandas": "pandas", "pyvista": "pyvista", "meshio": "meshio", "vtkmodules": "vtk"}
 
 
 def needed(module, what):

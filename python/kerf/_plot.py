@@ -48,6 +48,11 @@ def plot_mesh(mesh, ax):
     return ax
 
 
+def _areas(arrays):
+    a, b, c = numpy.moveaxis(arrays["corner_points"][arrays["corner_triangles"]], 1, 0)
+    return numpy.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
+
+
 def _label(result, name):
     units = result.numbers.get("units", {})
     unit = None
@@ -58,17 +63,22 @@ def _label(result, name):
     return name.replace("_", " ") + (f" [{unit}]" if unit else "")
 
 
-def _limits(values, vmin, vmax, least_share):
-    """What is finite; the tail beyond the share of corners is cut off, since stresses at tips have no largest value."""
-    finite = values[numpy.isfinite(values)]
-    if finite.size == 0:
+def _limits(values, areas, vmin, vmax):
+    """Colors end where 99.5 % of the area do: stresses at tips have no largest value, and tips most of the corners."""
+    known = numpy.isfinite(values)
+    if not known.any():
         return vmin, vmax
-    low, high = numpy.quantile(finite, [1 - least_share, least_share])
+    order = numpy.argsort(values[known])
+    values, share = values[known][order], numpy.cumsum(areas[known][order])
+    share = share / share[-1]
+    low, high = values[numpy.searchsorted(share, 0.005)], values[min(numpy.searchsorted(share, 0.995), len(values) - 1)]
     if low < 0 < high:
         low, high = -max(-low, high), max(-low, high)
-    elif finite.min() >= 0:
+    elif values[0] >= 0:
         low = 0.0
-    return low if vmin is None else vmin, high if vmax is None else vmax
+    elif values[-1] <= 0:
+        high = 0.0
+    return float(low) if vmin is None else vmin, float(high) if vmax is None else vmax
 
 
 def plot(result, field, *, ax=None, scale=0.0, cmap=None, vmin=None, vmax=None, log=False, edges=False, colorbar=True):
@@ -82,8 +92,10 @@ def plot(result, field, *, ax=None, scale=0.0, cmap=None, vmin=None, vmax=None, 
             hidden = arrays["masked"][arrays["corner_triangles"]].any(axis=1)
             triangulation.set_mask(hidden)
             shown = numpy.where(arrays["masked"], numpy.nan, values)
-        vmin, vmax = _limits(shown, vmin, vmax, 0.995)
-        how = {"cmap": cmap or ("coolwarm" if vmin is not None and vmin < 0 else "viridis")}
+        of_triangles = shown if per_triangle else shown[arrays["corner_triangles"]].mean(axis=1)
+        vmin, vmax = _limits(of_triangles, _areas(arrays), vmin, vmax)
+        both_signs = vmin is not None and vmax is not None and vmin < 0 < vmax
+        how = {"cmap": cmap or ("coolwarm" if both_signs else "viridis")}
         if log:
             positive = shown[numpy.isfinite(shown) & (shown > 0)]
             colors = needed("matplotlib.colors", "plot")

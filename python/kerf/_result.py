@@ -189,6 +189,7 @@ class Result:
 
     def plot(self, field="von_mises", *, ax=None, scale=0.0, cmap=None, vmin=None, vmax=None, log=False, edges=False,
              colorbar=True):
+        self._fields()  # a sentence where there are none
         return plot(self, field, ax=ax, scale=scale, cmap=cmap, vmin=vmin, vmax=vmax, log=log, edges=edges,
                     colorbar=colorbar)
 
@@ -243,6 +244,7 @@ class Result:
         return meshio.Mesh(points, [("triangle", numpy.array(self.corner_triangles))], point_data=data, cell_data=cells)
 
     def to_vtk(self):
+        needed("vtkmodules", "a grid of VTK")
         from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
         from vtkmodules.vtkCommonCore import vtkPoints
         from vtkmodules.vtkCommonDataModel import VTK_TRIANGLE, vtkCellArray, vtkUnstructuredGrid

@@ -1,7 +1,9 @@
 """Tutorials run, docs/python.md says what is so, and everything public is documented."""
 
 import ast
+import contextlib
 import inspect
+import io
 import os
 import pathlib
 import re
@@ -49,7 +51,8 @@ class Pages(unittest.TestCase):
                 names = {"__name__": "page"}
                 for block in blocks:
                     try:
-                        exec(compile(block, "docs/python.md", "exec"), names)
+                        with contextlib.redirect_stdout(io.StringIO()):
+                            exec(compile(block, "docs/python.md", "exec"), names)
                     except ImportError as error:
                         self.assertRegex(str(error), "which is not installed: pip install|No module named '(scipy|joblib)'")
             finally:
