@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 import os
 import pathlib
 import tomllib
@@ -106,11 +107,11 @@ class Result:
         state = self.numbers.get("state", {})
         if "unknowns" in state:
             parts.append(f"{state['unknowns']} unknowns")
-        tips = [(tip["K_I"], f"{crack.name}:{tip.name}") for crack in self.cracks for tip in crack.tips
-                if tip.get("K_I") is not None]
+        tips = [(math.hypot(tip["K_I"], tip["K_II"]), tip["K_I"], tip["K_II"], f"{crack.name}:{tip.name}")
+                for crack in self.cracks for tip in crack.tips if None not in (tip.get("K_I"), tip.get("K_II"))]
         if tips:
-            largest, where = max(tips)
-            parts.append(f"K_I {brief(largest)} at {where}")
+            _, K_I, K_II, where = max(tips)
+            parts.append(f"K_I {brief(K_I)} and K_II {brief(K_II)} at {where}")
         peak = state.get("max_von_mises")
         if peak:
             parts.append(f"von Mises up to {brief(peak.get('regular', peak)['value'])}")

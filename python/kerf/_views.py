@@ -70,7 +70,7 @@ def brief(value):
     if isinstance(value, bool) or value is None or isinstance(value, (str, int)):
         return str(value)
     if isinstance(value, float):
-        return f"{value:.4g}"
+        return f"{value + 0.0:.4g}"  # without the sign of a zero
     if isinstance(value, dict):
         return "{...}"
     return f"[{len(value)}]"

@@ -111,6 +111,16 @@ class Tables(unittest.TestCase):
         case = kerf.Case(plate(0.5) | {"boundary": [{"on": ["bottom", "top"], "traction": [0, numpy.hypot]}]})
         self.assertIs(case["boundary"][0]["traction"][1], numpy.hypot)
 
+    def test_sweeps_take_what_was_changed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            case = kerf.Case(TEXT)
+            case["material"]["young"] = 2.0
+            rows = kerf.sweep(case, {"mesh.size": [0.5, 0.25]}, folder=folder, jobs=1)
+            self.assertEqual(rows.column("state.energy")[1], energy_of(kerf.Case(case, set={"mesh.size": 0.25})))
+            kept = kerf.Case(pathlib.Path(folder) / "case.toml")
+            self.assertEqual(kept["material"]["young"], 2.0)
+            self.assertEqual(kerf.load(rows.folder / rows.rows[0]["run"])["state"]["energy"], rows.rows[0]["state.energy"])
+
     def test_a_dict_is_not_shared(self):
         document = plate()
         case = kerf.Case(document)
