@@ -38,6 +38,7 @@ def prose(text):
 def annotation(node):
     text = ast.unparse(node)
     text = re.sub(r"NDArray\[np\.(\w+)\]", r"array of \1", text)
+    text = text.replace("array of bool_", "array of bool")
     return text.replace("NDArray[Any]", "array").replace("str | PathLike[str]", "path")
 
 

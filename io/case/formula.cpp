@@ -92,7 +92,7 @@ Formula formula(const Value& field, Definitions& definitions, bool on_boundary) 
 }
 
 std::array<Formula, 2> formulas(const Value& field, Definitions& definitions, bool on_boundary) {
-  if (field.node->kind == Node::Kind::Function) return of_pair(field);
+  if (field.node->kind == Node::Kind::Function && field.node->pair) return of_pair(field);
   const std::vector<Value> xy = pair(field);
   return {formula(xy[0], definitions, on_boundary), formula(xy[1], definitions, on_boundary)};
 }

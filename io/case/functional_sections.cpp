@@ -76,8 +76,8 @@ struct Reader {
     for (const char* key : keys) {
       const auto given = find(table, key);
       if (!given) continue;
-      const bool pair = given->node->kind == Node::Kind::Array ||
-                        (given->node->kind == Node::Kind::Function && key == std::string_view("target"));
+      const bool pair =
+          given->node->kind == Node::Kind::Array || (given->node->pair && key == std::string_view("target"));
       const std::array<Formula, 2> parts =
           pair ? formulas(*given, definitions, false) : std::array{formula(*given, definitions, false), nothing()};
       if (term.on_crack)

@@ -20,7 +20,8 @@ def load(folder: str | PathLike[str]) -> Result:
     """The result that lies in a folder of an earlier run, of the program or of Python, or is the file result.json.
 
     Fields come from ``state.vtu`` and ``map.vtu``; without these from ``report.bin``, which has single precision and, of
-    large meshes, fewer triangles. ``at`` is then linear between corners. A folder without fields still has all numbers
+    large meshes, fewer triangles. ``at`` is linear between corners, and what is masked includes what lies beside singular
+    points. ``status`` may be any, nothing is raised for one that is not ok. A folder without fields still has all numbers
     and cracks; what needs fields then raises ``FilesError`` with a sentence that says why.
 
     Raises ``FilesError`` where there is no ``result.json``, or it is none of kerf's.
@@ -281,7 +282,7 @@ class Result:
         They are read off the solution that the run keeps, without another solve, exactly as probes and ``map.points``
         have them: the recovered displacement, the element's own stress, the expansion at that point. On a crack it is one of the
         two sides. Of a loaded or unpickled result, which has values at corners alone, they are linear between these.
-        T of a clamped hole is not known between corners.
+        T of a clamped hole always is.
 
         Raises ``ValueError`` for another shape, ``FilesError`` where a loaded folder has no fields.
         """

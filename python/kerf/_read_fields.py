@@ -7,7 +7,7 @@ import numpy
 from ._errors import FilesError
 
 _types = {"Float64": "<f8", "Float32": "<f4", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1", "UInt32": "<u4", "UInt64": "<u8"}
-_kept = ("von_mises", "topological_derivative", "masked", "lower", "upper", "angle", "error_indicator")
+_kept = ("von_mises", "topological_derivative", "lower", "upper", "error_indicator")
 
 
 def read_fields(folder):
@@ -28,7 +28,7 @@ def _with_map(folder, arrays):
         return arrays
     found = _of_vtu(folder / "map.vtu")
     if "topological_derivative" in found and numpy.array_equal(found["corner_points"], arrays["corner_points"]):
-        arrays.update({name: found[name] for name in _kept[1:-1] if name in found})
+        arrays.update({name: found[name] for name in ("masked", "angle", *_kept) if name in found})
     return arrays
 
 
@@ -73,8 +73,10 @@ def _take(arrays, array, found, count):
         arrays["rotation"] = found[:count]
     elif name in _kept:
         arrays[name] = found if name == "error_indicator" else found[:count]
-        if name == "masked":
-            arrays[name] = found[:count] != 0
+    elif name in ("mask", "masked"):  # 1: the expansion cannot hold, 2: beside what is singular
+        arrays["masked"] = found[:count] != 0
+    elif name == "angle_deg":
+        arrays["angle"] = numpy.radians(found)
 
 
 def _of_page(path):
@@ -95,6 +97,10 @@ def _of_page(path):
     for name, its in [*zip(_kept, _kept), ("topological_derivative", "map")]:
         if its in found:
             arrays[name] = found[its].astype(float)
+    if "left_out" in found:
+        arrays["masked"] = found["left_out"] != 0
+    if "angle" in found:
+        arrays["angle"] = numpy.radians(found["angle"].astype(float))
     return arrays
 
 

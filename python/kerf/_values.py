@@ -43,6 +43,9 @@ def values_at(points, outcome, arrays):
     flat = points.reshape(-1, 2)
     if outcome is not None and outcome.can_read:
         found = outcome.at(flat)
+        if "topological_derivative" in arrays and "topological_derivative" not in found:  # of a clamped hole
+            between = _between_corners(flat, arrays)
+            found.update({name: between[name] for name in ("topological_derivative", "masked")})
     else:
         found = _between_corners(flat, arrays)
     found["inside"] = found.pop("triangle") >= 0
@@ -63,7 +66,8 @@ def _between_corners(points, arrays):
             out[name] = (triangle >= 0) & arrays[name][corners].any(axis=0)
         elif name in arrays:
             values = arrays[name][corners]  # (3, n) or (3, n, k)
-            out[name] = (weights.reshape(weights.shape + (1,) * (values.ndim - 2)) * values).sum(axis=0)
+            share = weights.reshape(weights.shape + (1,) * (values.ndim - 2))
+            out[name] = numpy.where(abs(share) < 1e-12, 0, share * values).sum(axis=0)  # a corner may have no value
     return out
 
 

@@ -67,6 +67,13 @@ class Points(unittest.TestCase):
         numpy.testing.assert_allclose(at.stress[:, 3], rows["s_yy"], rtol=1e-13)
         numpy.testing.assert_allclose(at.topological_derivative, rows["topological_derivative"], rtol=1e-13)
 
+    def test_a_clamped_hole(self):
+        """Its predicted change is known at corners: there exactly."""
+        result = kerf.Case(linear() | {"mesh": {"size": 0.2}, "map": {"perturbation": "clamped_hole", "radius": 0.01}}).map()
+        free = numpy.flatnonzero(~result.masked)
+        at = result.at(result.corner_points[free])
+        numpy.testing.assert_allclose(at.topological_derivative, result.topological_derivative[free], rtol=1e-9)
+
     def test_both_sides_of_a_crack(self):
         """What jumps there does: just above and below the middle, by the opening."""
         result = kerf.Case(plate(0.1)).solve()
@@ -152,6 +159,9 @@ class Loading(unittest.TestCase):
         numpy.testing.assert_array_equal(loaded.displacement, made.displacement)
         numpy.testing.assert_array_equal(loaded.von_mises, made.von_mises)
         numpy.testing.assert_array_equal(loaded.topological_derivative, made.topological_derivative)
+        numpy.testing.assert_array_equal(loaded.error_indicator, made.error_indicator)
+        self.assertTrue(loaded.masked[made.masked].all())
+        self.assertLess(loaded.masked.mean(), 0.9)
         points = [[0.2, 0.31], [0.52, 0.77]]
         a, b = loaded.at(points), copy.deepcopy(made).at(points)
         numpy.testing.assert_allclose(a.displacement, b.displacement, rtol=1e-12)
@@ -164,6 +174,7 @@ class Loading(unittest.TestCase):
         made = case.map(self.folder / "page")
         loaded = kerf.load(self.folder / "page")
         numpy.testing.assert_allclose(loaded.displacement, made.displacement, rtol=1e-6, atol=1e-7)
+        self.assertTrue(loaded.masked[made.masked].all())
         numpy.testing.assert_allclose(loaded.at([0.2, 0.31]).von_mises, copy.deepcopy(made).at([0.2, 0.31]).von_mises,
                                       rtol=1e-5)
         case["output"] = {"vtk": False, "html": False}
@@ -173,6 +184,13 @@ class Loading(unittest.TestCase):
         for asked in (lambda: bare.at([0, 0]), bare.plot, bare.to_pandas):
             self.assertRaisesRegex(kerf.FilesError, "has no fields: neither state.vtu", asked)
         self.assertRaisesRegex(AttributeError, "neither state.vtu", lambda: bare.von_mises)
+
+    def test_angles_are_radians(self):
+        case = kerf.Case(plate() | {"map": {"perturbation": "crack"}})
+        for name, vtk in (("vtk", True), ("page", False)):
+            case["output"] = {"vtk": vtk, "png": False}
+            made = case.map(self.folder / name)
+            numpy.testing.assert_allclose(kerf.load(made.folder).angle, made.angle, rtol=1e-6, atol=1e-7)
 
     def test_what_is_no_result(self):
         self.assertRaisesRegex(kerf.FilesError, "no result.json in it", kerf.load, self.folder)

@@ -55,6 +55,36 @@ TEST(Functions, SayWhereTheyFail) {
   EXPECT_NE(said(c, {-1, 0.25}).find("nan) at (-1, 0.25)"), std::string::npos);
 }
 
+/// A function in the place of the whole vector is called once for both.
+TEST(Functions, GiveBothComponentsOfAVector) {
+  const TemporaryFolder folder;
+  Node root = read_document(folder.write("a.toml", square + "[[boundary]]\non = 'top'\ntraction = 'f'\n"));
+  Node& field = root.entries.back().value.items.at(0).entries.at(1).value;
+  field.kind = Node::Kind::Function;
+  int calls = 0;
+  field.pair = [&](const Vec2& x, const Vec2& n) {
+    ++calls;
+    return Vec2(2 * x.x(), x.x() > 1 ? infinity : n.y());
+  };
+  const Case c = read_case(std::move(root), {"made up", folder.path, "a dictionary"});
+  calls = 0;
+  EXPECT_EQ(c.scene.tractions.at(0).value({0.5, 1}, {0, 1}), Vec2(1, 1));
+  EXPECT_EQ(calls, 1);
+  EXPECT_FALSE(c.scene.tractions[0].value.known());
+  EXPECT_EQ(said(c, {1.5, 1}),
+            "a.toml:9:12: traction in [[boundary]]: the function is not finite (inf) at (1.5, 1); it must have a value "
+            "wherever it is applied");
+}
+
+TEST(Functions, OfNumbersAreNoVectors) {
+  const TemporaryFolder folder;
+  Node root = read_document(folder.write("a.toml", square + "[[boundary]]\non = 'top'\ntraction = 'f'\n"));
+  Node& field = root.entries.back().value.items.at(0).entries.at(1).value;
+  field.kind = Node::Kind::Function;
+  field.function = [](const Vec2&, const Vec2&) { return 1.0; };
+  EXPECT_THROW(read_case(std::move(root), {"made up", folder.path, ""}), Error);
+}
+
 TEST(Functions, AreNoValuesOfOtherKeys) {
   const TemporaryFolder folder;
   Node root = read_document(folder.write("a.toml", square));
