@@ -31,7 +31,8 @@ size = 0.2
 
 
 def handbook(a):
-    """K of an edge crack in a strip that is pulled by 1 (polynomial of Brown and Srawley, within 0.5 % up to a = 0.6 widths)."""
+    """K of an edge crack in a strip that is pulled by 1 (polynomial of Brown and Srawley, within 0.5 %
+    up to a = 0.6 widths)."""
     r = a / WIDTH
     return math.sqrt(math.pi * a) * (1.122 - 0.231 * r + 10.55 * r**2 - 21.72 * r**3 + 30.39 * r**4)
 

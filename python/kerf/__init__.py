@@ -45,8 +45,8 @@ from ._sweep import Sweep, sweep
 from ._values import Values
 from ._views import Named, Section
 
-__all__ = ["Case", "CaseError", "Crack", "DesignValues", "Designs", "Error", "FilesError", "GeometryError", "Mesh", "Named",
-           "Result", "Section", "SolveError", "Sweep", "Tip", "Values", "__version__", "load", "sweep"]
+__all__ = ["Case", "CaseError", "Crack", "DesignValues", "Designs", "Error", "FilesError", "GeometryError", "Mesh",
+           "Named", "Result", "Section", "SolveError", "Sweep", "Tip", "Values", "__version__", "load", "sweep"]
 
 document({_name: globals()[_name] for _name in __all__ if _name != "__version__"})
 del document

@@ -280,9 +280,9 @@ class Result:
         """Displacement, stress and T at any points, of shape (n, 2), or (..., 2).
 
         They are read off the solution that the run keeps, without another solve, exactly as probes and ``map.points``
-        have them: the recovered displacement, the element's own stress, the expansion at that point. On a crack it is one of the
-        two sides. Of a loaded or unpickled result, which has values at corners alone, they are linear between these.
-        T of a clamped hole always is.
+        have them: the recovered displacement, the element's own stress, the expansion at that point. On a crack they
+        are those of one of its sides. A loaded or unpickled result has values at corners alone, and is linear between
+        these; T of a clamped hole always is.
 
         Raises ``ValueError`` for another shape, ``FilesError`` where a loaded folder has no fields.
         """
@@ -415,8 +415,8 @@ class Designs:
     """The designs that numbers draw: variables, J, constraints, and their exact derivatives.
 
     Designs are evaluated one after the other, each on the mesh of an earlier one, moved: values are smooth in the
-    variables, and derivatives are those of these values, to rounding. Where a mesh would suffer it is made anew, and values shift by
-    what the mesh errs.
+    variables, and derivatives are those of these values, to rounding. Where a mesh would suffer it is made anew, and
+    values shift by what the mesh errs.
     """
 
     names: list[str]

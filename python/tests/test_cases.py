@@ -151,7 +151,7 @@ class Copies(unittest.TestCase):
 
     def test_spawned_processes(self):
         """Cases go there and numbers, results and errors come back."""
-        case = kerf.Case(plate(0.5) | {"boundary": [{"on": "bottom", "displacement": [0, 0]}, {"on": "top", "traction": pull}]})
+        case = kerf.Case(plate(0.5) | {"boundary": [TwoComponents.held, {"on": "top", "traction": pull}]})
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             self.assertEqual(pool.apply(energy_of, [case]), energy_of(case))
             there, here = pool.apply(result_of, [case]), case.map()

@@ -69,7 +69,8 @@ class Points(unittest.TestCase):
 
     def test_a_clamped_hole(self):
         """Its predicted change is known at corners: there exactly."""
-        result = kerf.Case(linear() | {"mesh": {"size": 0.2}, "map": {"perturbation": "clamped_hole", "radius": 0.01}}).map()
+        hole = {"perturbation": "clamped_hole", "radius": 0.01}
+        result = kerf.Case(linear() | {"mesh": {"size": 0.2}, "map": hole}).map()
         free = numpy.flatnonzero(~result.masked)
         at = result.at(result.corner_points[free])
         numpy.testing.assert_allclose(at.topological_derivative, result.topological_derivative[free], rtol=1e-9)
@@ -128,7 +129,8 @@ class Names(unittest.TestCase):
             c.tips["left"]
 
     def test_load_cases(self):
-        case = plate() | {"functional": {"kind": "compliance"}, "optimize": {"method": "level-set", "volume": {"at_most": 0.9}}, "boundary": [{"on": "bottom", "displacement": [0, 0]}], "load_case": [
+        case = plate() | {"boundary": [{"on": "bottom", "displacement": [0, 0]}], "functional": {"kind": "compliance"},
+                          "optimize": {"method": "level-set", "volume": {"at_most": 0.9}}, "load_case": [
             {"name": "pull", "boundary": [{"on": "top", "traction": [0, 1]}]},
             {"name": "shear", "weight": 2, "boundary": [{"on": "top", "traction": [1, 0]}]}]}
         result = kerf.Case(case).solve()
@@ -268,7 +270,8 @@ class Libraries(unittest.TestCase):
             matplotlib.use("Agg")
             import matplotlib.pyplot as plt
         except ImportError:
-            self.assertRaisesRegex(ImportError, "needs matplotlib, which is not installed: pip", kerf.Case(plate()).solve().plot)
+            self.assertRaisesRegex(ImportError, "needs matplotlib, which is not installed: pip",
+                                   kerf.Case(plate()).solve().plot)
             self.skipTest("matplotlib is not installed")
         result = kerf.Case(plate()).map()
         for field in ("von_mises", "displacement", "displacement_x", "stress_xy", "topological_derivative",
@@ -285,7 +288,8 @@ class Libraries(unittest.TestCase):
         try:
             import pandas
         except ImportError:
-            self.assertRaisesRegex(ImportError, "needs pandas, which is not installed: pip", kerf.Case(plate()).solve().to_pandas)
+            self.assertRaisesRegex(ImportError, "needs pandas, which is not installed: pip",
+                                   kerf.Case(plate()).solve().to_pandas)
             self.skipTest("pandas is not installed")
         result = kerf.Case(plate()).map()
         fields = result.to_pandas()
