@@ -12,7 +12,7 @@ STUBS, PAGE = ROOT / "python/kerf/__init__.pyi", ROOT / "docs/python-reference.m
 HEAD = """# Python reference
 
 Made from `python/kerf/__init__.pyi` by `docs/python_reference.py`; change the docstrings there. [python.md](python.md) shows
-how it is used, [results.md](results.md) lists the numbers of a result, [case-files.md](case-files.md) the keys of a case.
+how it is used, [results.md](results.md) lists the numbers of a result, [case-files](case-files/index.md) the keys of a case.
 """
 
 
