@@ -35,6 +35,14 @@ TEST(Convergence, DifferencesThatDoNotFallHaveNoLimit) {
   }
 }
 
+// What falls as slowly as noise has no limit, what falls by chance no error of its own.
+TEST(Convergence, OrdersThatNoMeshHasAreNotBelieved) {
+  const Convergence slow = of(1.4873, 2e-4, 0.18), fast = of(1, 1e6, 9);
+  EXPECT_TRUE(std::isnan(slow.limit));
+  EXPECT_LT(slow.error, 1e-4);
+  EXPECT_GE(fast.error, std::abs(fast.value[2] - fast.value[1]) / 16);
+}
+
 TEST(Convergence, WhatNoMeshChangesIsItsLimit) {
   Convergence c{.of = "q", .size = {4, 2, 1}, .value = {2, 2, 2}};
   extrapolate(c);
