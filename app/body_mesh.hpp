@@ -7,6 +7,6 @@ namespace kerf {
 
 /// That of `kerf mesh`, with which a run begins: of the body, or the one that it comes with, divided as mesh.refine
 /// asks. A run may mesh anew at the ends of contact and where mesh.adapt asks. Throws Error(Geometry).
-Mesh mesh_of_run(const Case& c);
+Mesh mesh_of_run(Case c);
 
 }  // namespace kerf

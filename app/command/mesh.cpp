@@ -5,7 +5,6 @@
 #include "app/body_mesh.hpp"
 #include "app/run/solve.hpp"
 #include "io/words.hpp"
-#include "kerf/folded.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/vtk.hpp"
 #include "solver/divided.hpp"
@@ -48,15 +47,8 @@ Mesh divided_mesh(const Case& c) {
 }  // namespace
 
 /// With chords where an edge that follows a curve folds a triangle, unless mesh.curved = true.
-Mesh mesh_of_run(const Case& c) {
-  try {
-    return divided_mesh(c);
-  } catch (const FoldedTriangle& e) {
-    if (c.curved.value_or(false)) throw;
-    Case straight = c;
-    draw_chords(straight, e.what());
-    return divided_mesh(straight);
-  }
+Mesh mesh_of_run(Case c) {
+  return as_it_can(c, [&c] { return divided_mesh(c); });
 }
 
 void require_mesh_ending(const std::filesystem::path& path) {

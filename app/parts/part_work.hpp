@@ -3,9 +3,7 @@
 
 #include "app/parts/part_task.hpp"
 #include "app/run/coarse_copy.hpp"
-#include "kerf/case_file.hpp"
-#include "solver/divided_body.hpp"
-#include "solver/resultants.hpp"
+#include "app/run/findings.hpp"
 
 #include <optional>
 
@@ -13,21 +11,9 @@ namespace kerf {
 
 /// What all find together: the same on all, but for what the first one alone writes or draws.
 struct FoundTogether {
-  State state;   // certificate and counts alone
-  Quality mesh;  // with curved edges, which divided triangles are not similar beside
-  double potential = 0, work = 0, area = 0;
-  Analysis functional = {};  // the values alone
-  Index unknowns = 0, interior = 0;
-  std::optional<double> error;
-  std::optional<EnergyBounds> energy;
-  double mean_stress = 0;
-  bool has_stress = false;
-  std::optional<Peak> von_mises, displacement, strain;
-  double beside_chords = 0;  // top_on_chords
-  std::vector<LabelResultant> reactions;
-  std::vector<std::vector<CrackPoint>> profiles;  // per crack, in the order of its path
-  std::vector<std::vector<double>> slips;
-  std::vector<TipIntensity> tips;
+  Findings of = {};
+  Quality mesh;                                // with curved edges, which divided triangles are not similar beside
+  Analysis functional = {};                    // the values alone
   std::vector<NamedField> fields, map_fields;  // names, kinds and components of the files
   std::optional<MapResult> map;
   std::vector<std::vector<std::vector<double>>> probes;  // rows of each

@@ -21,7 +21,6 @@
 #include "app/write/files.hpp"
 #include "app/write/page_data.hpp"
 #include "kerf/adaptive.hpp"
-#include "kerf/folded.hpp"
 #include "kerf/map.hpp"
 #include "kerf/mesher.hpp"
 #include "kerf/stop.hpp"
@@ -142,20 +141,6 @@ void describe_divided(const Mesh& coarse, int divisions, Result& r) {
   r.mesh.h_max = std::ldexp(r.mesh.h_max, -divisions);
 }
 
-/// The pictures, the table of the map, and the map for the page.
-void draw(const Case& c, const Result& r, CoarseCopy& copy, Journal& journal) {
-  const Model& model = copy.adapted.model;
-  journal.picture("mesh.png", [&] { return mesh_picture(journal.title, model.mesh); });
-  journal.picture("von_mises.png", [&] { return stress_picture(journal.title, model, copy.data); });
-  if (!r.map) return;
-  copy.map.result = *r.map;
-  static const std::vector<Vec2> everywhere;
-  const MapTask task{c.functional, c.map_request, c.map ? c.map->points : everywhere};
-  if (task.points.empty()) write_map_table(journal, task, copy.map, model.mesh, copy.data);
-  journal.picture("map.png", [&] { return map_picture(journal.title, task, model, copy.data, copy.map); });
-  if (journal.html) add_map(journal.arrays, task, copy.map, model, copy.data);
-}
-
 /// The rounds of a solution; one without mesh.adapt.
 struct InParts {
   InParts(const Case& of, bool map, Processes& with, Journal& to, Result& result)
@@ -176,14 +161,13 @@ struct InParts {
       before = undivided(c, given, journal);
       PartTask task = task_for(before);
       task.rounds = rounds;
-      zones = c.output.peaks ? task.zones : SingularZones{};
       journal.seconds.mesh += journal.lap();
       journal.begin("solve in parts");
       FoundTogether found;
       processes.work(packed(task), [&](Communicator& comm) { found = work_together(c, std::move(task), comm); });
       journal.seconds.assemble += found.seconds.assemble;
-      journal.seconds.contact += found.state.seconds.contact;
-      journal.seconds.solve += journal.lap() - found.seconds.assemble - found.state.seconds.contact;
+      journal.seconds.contact += found.of.solved.seconds.contact;
+      journal.seconds.solve += journal.lap() - found.seconds.assemble - found.of.solved.seconds.contact;
       if (!before.model.mesh.arc.empty()) r.mesh = found.mesh;
       rounds.push_back(found.round);
       if (c.adapt && found.stopped.empty()) {
@@ -202,7 +186,6 @@ struct InParts {
   }
 
   Undivided before = {};
-  SingularZones zones = {};  // where peaks are looked for
 
  private:
   /// Green's tensor is smooth: that of the mesh before it is divided, of one degree more.
@@ -258,82 +241,38 @@ struct InParts {
   Result& r;
 };
 
-/// The section of the state, but for notes that look at cracks or at what follows.
-StateResult state_of(const Case& c, const Model& coarse, bool with_map, const FoundTogether& found) {
-  StateResult s;
-  s.element = c.element.name;
-  s.degree = c.element.degree;
-  s.condensed_unknowns = found.unknowns;
-  s.unknowns = found.unknowns + found.interior;
-  s.residual = found.state.certificate.residual;
-  s.work_error = found.state.certificate.work;
-  s.energy = found.potential;
-  s.compliance = found.work;
-  s.area = found.area;
-  require_energy(s.energy, found.has_stress);
-  s.estimated_error = found.error;
-  s.von_mises = found.von_mises;
-  s.displacement = found.displacement;
-  s.thickness = c.thickness;
-  s.of_polygon = is_of_polygon(c.shape, coarse.mesh);
-  s.notes = coarse.notes;
-  if (const std::string note = lost_digits(found.state); !note.empty()) s.notes.push_back(note);
-  for (const std::string& note : notes_on_size(found.strain, found.displacement, extent(c.shape)))
-    s.notes.push_back(note);
+/// On the way that the state was solved.
+std::vector<std::string> notes_on_parts(const Case& c, bool with_map, const SharedEffort& effort) {
+  std::vector<std::string> notes;
   if (with_map && !has_series(c.map_request.perturbation))
-    s.notes.emplace_back(
+    notes.emplace_back(
         "the map of clamped holes takes Green's tensor, which is smooth, of the mesh before it was divided and of one "
         "degree more");
-  s.notes.emplace_back(
+  notes.emplace_back(
       "solved in parts, of which no process has the whole: pictures and page show it at the corners of the mesh before "
       "it was divided; state.pvtu has the fields");
-  if (found.energy) add_energy_bounds(*found.energy, s);
-  add_resultants(coarse, found.reactions, c.shape, s);
-  return s;
+  if (!c.half_tips.empty())
+    notes.push_back(
+        fmt::format("no K, G and T at ({:.6g}, {:.6g}), the tip of a crack in a plane of symmetry: several processes "
+                    "do not compute them",
+                    c.half_tips[0].x(), c.half_tips[0].y()));
+  if (effort.unfinished > 0)
+    notes.push_back(
+        fmt::format("{} of {} solves in parts ended before they were as exact as asked ({}); the rounds "
+                    "that followed made up for it",
+                    effort.unfinished, effort.solves, effort.ended));
+  return notes;
 }
 
-/// The cracks, with what notes on contact look at.
-ContactMeasures add_cracks(const Case& c, const Model& coarse, const SingularZones& zones, FoundTogether& found,
-                           Result& r) {
-  const std::vector<std::array<bool, 2>> tips = ends_inside(coarse.mesh);
-  const std::size_t per_edge = static_cast<std::size_t>(coarse.inner->skeleton.per_edge) / 2;
-  for (std::size_t k = 0; k < found.profiles.size(); ++k)
-    r.cracks.push_back(
-        crack_result(c.shape.cracks[k].name, c.scene.laws[k], found.profiles[k], found.slips[k], {tips[k], per_edge}));
-  for (const TipIntensity& tip : found.tips)
-    r.cracks[static_cast<std::size_t>(tip.crack)].tips.push_back(tip_result(tip));
-  add_pressures({tips, per_edge, zones.points, extent(c.shape)}, r.cracks);
-  ContactMeasures contact{.stress = found.mean_stress, .profiles = std::move(found.profiles)};
-  for (Index k = 0; k < static_cast<Index>(r.cracks.size()); ++k) contact.modulus.push_back(modulus_beside(coarse, k));
-  return contact;
-}
-
-/// The files of state, map, cracks and probes; what limits the map.
-void write_found(const Case& c, const Undivided& before, int processes, FoundTogether& found, Journal& journal,
-                 Result& r) {
-  StateResult& s = *r.state;
-  const Model& coarse = before.model;
-  journal.begin("write the state");
+/// The files that name the pieces of all.
+void write_grids(const FoundTogether& found, int processes, const Journal& journal) {
   const auto write_grid = [&](const std::string& name, const std::vector<NamedField>& fields) {
     std::vector<std::string> pieces;
     for (Index p = 0; p < static_cast<Index>(processes); ++p) pieces.push_back(piece_name(name, p));
     if (journal.vtk) write_pvtu(journal.file(name + ".pvtu"), pieces, fields);
   };
   write_grid("state", found.fields);
-  if (found.map) {
-    r.map = std::move(found.map);
-    for (std::string& note : limits_before_division(c, before, *r.map, journal.options.threads))
-      s.notes.push_back(std::move(note));
-    write_grid("map", found.map_fields);
-    if (!r.map->points.empty())
-      write_map_table(journal, {c.functional, c.map_request, c.map->points}, {.result = *r.map}, {}, {});
-  }
-  if (!c.probes.empty() || c.map)
-    for (std::string& note : notes_on_points(c, coarse.mesh, make_locator(coarse.mesh), r.map.has_value()))
-      s.notes.push_back(std::move(note));
-  write_crack_files(journal, r.cracks);
-  for (std::size_t k = 0; k < c.probes.size(); ++k)
-    write_probe_file(journal, c.probes[k], std::move(found.probes[k]), {});
+  if (found.map) write_grid("map", found.map_fields);
 }
 
 }  // namespace
@@ -342,57 +281,22 @@ void work_on_part(const Case& c, std::string_view task, Communicator& comm) {
   work_together(c, unpacked(task), comm);
 }
 
-CoarseCopy solve_in_parts(const Case& given, bool with_map, Processes& processes, Journal& journal, Result& r) {
-  refuse_in_parts(given);
-  Case c = given;
+RunState solve_in_parts(Case& c, bool with_map, Journal& journal, Result& r) {
+  refuse_in_parts(c);
+  journal.whole = false;
+  Processes& processes = *journal.options.processes;
   InParts in_parts(c, with_map, processes, journal, r);
-  FoundTogether found;
-  try {
-    found = in_parts.solve();
-  } catch (const FoldedTriangle& e) {  // before there was a task
-    if (c.curved.value_or(false)) throw;
-    draw_chords(c, e.what());
-    found = in_parts.solve();
-  }
-  Undivided& before = in_parts.before;
-  const Model& coarse = before.model;
-  StateResult& s = r.state.emplace(state_of(c, coarse, with_map, found));
-  r.solver = solver_result(found.effort);
-  const ContactMeasures contact = add_cracks(c, coarse, in_parts.zones, found, r);
-  add_notes(c,
-            {.body = coarse,
-             .triangles = static_cast<std::size_t>(r.triangles),
-             .certified = certified(found.state),
-             .has_stress = found.has_stress,
-             .contact = notes_on_contact(r.cracks, contact)},
-            r);
-  if (!c.half_tips.empty())
-    s.notes.push_back(
-        fmt::format("no K, G and T at ({:.6g}, {:.6g}), the tip of a crack in a plane of symmetry: several processes "
-                    "do not compute them",
-                    c.half_tips[0].x(), c.half_tips[0].y()));
-  add_notes_on_chords(
-      c, coarse.mesh, [&](const Vec2&) { return found.beside_chords; }, r);
-  if (has_contact(c.scene)) r.contact = contact_result(found.state, ContactMethod::ActiveSet, r.cracks);
-  r.functional = functional_result(c.functional, found.functional);
-  found.functional.model = &coarse;  // no process has that of the whole
-  for (const std::string& note : notes_on(c.functional, found.functional, c.shape, r.cracks)) s.notes.push_back(note);
-  if (found.effort.unfinished > 0)
-    s.notes.push_back(
-        fmt::format("{} of {} solves in parts ended before they were as exact as asked ({}); the rounds "
-                    "that followed made up for it",
-                    found.effort.unfinished, found.effort.solves, found.effort.ended));
-  if (!certified(found.state)) {
-    r.status = "not converged";
-    r.reason = failure(coarse, found.state);
-    if (c.precision == FactorPrecision::Single)
-      *r.reason += "; factors in double precision may serve (solver.precision)";
-  }
-  write_found(c, before, processes.count(), found, journal, r);
-  CoarseCopy copy = coarse_copy(std::move(before.model), found.copied, found.centers);
-  draw(c, r, copy, journal);
-  journal.seconds.output += journal.lap();
-  return copy;
+  FoundTogether found = as_it_can(c, [&] { return in_parts.solve(); });  // it folds before there is a task
+  RunState::Together together{.functional = std::move(found.functional), .probes = std::move(found.probes)};
+  if (found.map) together.limits = limits_before_division(c, in_parts.before, *found.map, journal.options.threads);
+  write_grids(found, processes.count(), journal);
+  CoarseCopy copy = coarse_copy(std::move(in_parts.before.model), found.copied, found.centers);
+  copy.adapted.state = found.of.solved;
+  if (found.map) copy.map.result = std::move(*found.map);
+  together.map = std::move(copy.map);
+  found.of.solver = solver_result(found.effort);
+  found.of.notes = notes_on_parts(c, with_map, found.effort);
+  return {std::move(copy.adapted), std::move(copy.data), std::move(found.of), std::move(together)};
 }
 
 }  // namespace kerf

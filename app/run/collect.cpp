@@ -46,24 +46,6 @@ SolverResult solver_result(const SolverEffort& e) {
   return {e.parts, e.solves, e.iterations, e.condition, e.interface_rows, e.primal, e.sent, e.first_mb, e.other_mb};
 }
 
-StateResult state_result(const Model& model, const State& state, const Indicator& indicator) {
-  StateResult r;
-  r.element = model.inner->kernel.element.name;
-  r.degree = model.inner->kernel.element.degree;
-  r.condensed_unknowns = model.inner->ordering.size;
-  r.unknowns = model.inner->ordering.size +
-               interior_count(model.inner->kernel.element) * static_cast<Index>(model.mesh.triangles.size());
-  r.residual = state.certificate.residual;
-  r.energy = potential_energy(model, state);
-  r.compliance = work_of_loads(model, state);
-  r.area = area(model);
-  if (indicator.eta.size() > 0 && std::isfinite(indicator.relative)) r.estimated_error = indicator.relative;
-  r.work_error = state.certificate.work;
-  r.notes = model.notes;
-  if (const std::string note = lost_digits(state); !note.empty()) r.notes.push_back(note);
-  return r;
-}
-
 void add_energy_bounds(const EnergyBounds& bounds, StateResult& state) {
   if (std::isfinite(bounds.lower) && std::isfinite(bounds.upper)) state.energy_bounds = {bounds.lower, bounds.upper};
   if (!bounds.note.empty()) state.notes.push_back(bounds.note);
@@ -162,6 +144,8 @@ std::string unused_name(const std::string& label, const std::vector<CrackResult>
   return name;
 }
 
+}  // namespace
+
 void add_half_cracks(const Model& model, const State& state, const Shape& shape, std::span<const Index> planes,
                      bool with_tips, std::vector<CrackResult>& results) {
   const std::vector<HalfCrack> halves = half_cracks(model.mesh, model.scene, planes);
@@ -183,27 +167,6 @@ void add_half_cracks(const Model& model, const State& state, const Shape& shape,
   }
 }
 
-}  // namespace
-
-std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape,
-                                       std::span<const Index> planes, bool with_tips) {
-  std::vector<CrackResult> results;
-  std::vector<TipIntensity> tips;
-  if (with_tips) tips = crack_tips(model, state);
-  const std::vector<std::array<bool, 2>> inside = ends_inside(model.mesh);
-  for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
-    const CrackLaw& law = model.scene.laws[c];
-    CrackResult r = crack_result(shape.cracks[c].name, law, crack_profile(model, state, c),
-                                 has_friction(law) ? slip_profile(model, state, c) : std::vector<double>{},
-                                 {inside[c], static_cast<std::size_t>(model.inner->skeleton.per_edge) / 2});
-    for (const TipIntensity& t : tips)
-      if (t.crack == c) r.tips.push_back(tip_result(t));
-    results.push_back(std::move(r));
-  }
-  add_half_cracks(model, state, shape, planes, with_tips, results);
-  return results;
-}
-
 namespace {
 
 constexpr std::size_t often = 5;  // an open middle and two open ends change four times
@@ -215,7 +178,12 @@ std::size_t turns_of(const CrackResult& crack) {
 
 }  // namespace
 
-std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const ContactMeasures& of) {
+bool turn_often(const std::vector<CrackResult>& cracks) {
+  return std::ranges::any_of(cracks, [](const CrackResult& crack) { return turns_of(crack) >= often; });
+}
+
+std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& body,
+                                          const ContactMeasures& of) {
   constexpr double little = 1e-3;
   std::vector<std::string> notes;
   for (std::size_t c = 0; c < cracks.size(); ++c) {
@@ -228,7 +196,8 @@ std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks
       pressure += p.length * std::abs(p.contact_pressure());
       gap += p.length * std::abs(p.distance());
     }
-    const double share = std::max(pressure, gap * of.modulus[c] / crack.length) / (crack.length * of.stress);
+    const double share = std::max(pressure, gap * modulus_beside(body, static_cast<Index>(c)) / crack.length) /
+                         (crack.length * of.stress);
     if (share < little)
       notes.push_back(fmt::format(
           "crack \"{}\" touches and opens in turn, {} times, by {:.1g} of what the stress in the body could "
@@ -238,17 +207,6 @@ std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks
           crack.name, turns, share));
   }
   return notes;
-}
-
-std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& model,
-                                          const State& state) {
-  if (std::ranges::none_of(cracks, [](const CrackResult& crack) { return turns_of(crack) >= often; })) return {};
-  ContactMeasures of{.stress = mean_stress(model, state)};
-  for (Index c = 0; c < static_cast<Index>(model.mesh.cracks.size()); ++c) {
-    of.profiles.push_back(crack_profile(model, state, c));
-    of.modulus.push_back(modulus_beside(model, c));
-  }
-  return notes_on_contact(cracks, of);
 }
 
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks) {
@@ -264,39 +222,6 @@ ContactResultSummary contact_result(const State& state, ContactMethod method, co
   return r;
 }
 
-namespace {
-
-/// Smallest and largest of the finite values seen.
-struct Extrema {
-  PlacedValue min{Vec2::Zero(), nan}, max{Vec2::Zero(), nan};
-  void see(const Vec2& at, double value) {
-    if (!std::isfinite(value)) return;
-    if (!(value >= min.value)) min = {at, value};
-    if (!(value <= max.value)) max = {at, value};
-  }
-};
-
-/// Of the values at corners that are left out for no stronger reason than is needed to have any.
-Extrema extrema(const PlotData& data, const Eigen::VectorXd& values, std::span<const LeftOut> left_out) {
-  Extrema e;
-  for (const LeftOut most : {LeftOut::No, LeftOut::Masked, LeftOut::Singular}) {
-    for (Eigen::Index i = 0; i < values.size(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      if (left_out[k] <= most) e.see(data.points[k], values[i]);
-    }
-    if (std::isfinite(e.min.value)) break;
-  }
-  return e;
-}
-
-Extrema extrema(const std::vector<MapPoint>& points) {
-  Extrema e;
-  for (const MapPoint& p : points) e.see(p.at, p.value);
-  return e;
-}
-
-}  // namespace
-
 FunctionalResult functional_result(const Functional& j, const Analysis& analysis) {
   FunctionalResult r{j.kind, analysis.value};
   if (j.sum)
@@ -307,28 +232,6 @@ FunctionalResult functional_result(const Functional& j, const Analysis& analysis
 
 bool is_everywhere(const FullMap& map) {
   return map.at_centroids.size() > 0;
-}
-
-MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
-                     std::span<const LeftOut> left_out) {
-  const Model& model = *analysis.model;
-  MapResult r{.perturbation = std::string(word(task.request.perturbation.kind))};
-  if (!task.points.empty()) r.points = map_at(analysis, task.functional, task.request, task.points);
-  const Extrema e = is_everywhere(map) ? extrema(data, map.at_corners, left_out) : extrema(r.points);
-  r.min = e.min;
-  r.max = e.max;
-  r.radius = task.request.radius;
-  r.biactive_length = analysis.biactive_length;
-  if (!is_everywhere(map)) return r;
-  double masked = 0;
-  for (std::size_t t = 0; t < map.masked_centroid.size(); ++t)
-    if (map.masked_centroid[t]) masked += cell_area(model, static_cast<Index>(t));
-  r.masked_share = masked / area(model);
-  if (std::ranges::find(map.masked_centroid, false) == map.masked_centroid.end())  // extrema of nothing
-    r.min = r.max = {Vec2::Constant(nan), nan};
-  r.oriented = map.angle.size() > 0;
-  r.second = map.c2.size() > 0 && map.second_note.empty();
-  return r;
 }
 
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,

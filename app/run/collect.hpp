@@ -28,7 +28,6 @@ PlotData plot_corners(const Model& model);
 PlotData plot_data(const Model& model, const Field& state, bool plane_strain);
 
 SolverResult solver_result(const SolverEffort& effort);
-StateResult state_result(const Model& model, const State& state, const Indicator& indicator);
 void add_energy_bounds(const EnergyBounds& bounds, StateResult& state);
 ContactResultSummary contact_result(const State& state, ContactMethod method, const std::vector<CrackResult>& cracks);
 /// Which ends of a crack are tips, and how many points its profile has per edge.
@@ -41,22 +40,22 @@ struct CrackEnds {
 CrackResult crack_result(const std::string& name, const CrackLaw& law, const std::vector<CrackPoint>& of,
                          const std::vector<double>& slip, const CrackEnds& ends);
 TipResult tip_result(const TipIntensity& tip);
-/// `tips`: with K, G and T at the tips. Behind the cracks of the shape come those in planes of symmetry (Case::planes),
-/// with the labels of their faces for names.
-std::vector<CrackResult> crack_results(const Model& model, const State& state, const Shape& shape,
-                                       std::span<const Index> planes, bool tips = true);
+/// Behind the cracks of the shape those in planes of symmetry (Case::planes), with the labels of their faces for names;
+/// `tips`: with K, G and T at the tips.
+void add_half_cracks(const Model& model, const State& state, const Shape& shape, std::span<const Index> planes,
+                     bool tips, std::vector<CrackResult>& results);
 
 /// What contact on cracks is measured by.
 struct ContactMeasures {
   double stress;  // mean in the body
-  std::vector<std::vector<CrackPoint>> profiles = {};
-  std::vector<double> modulus = {};  // modulus_beside
+  const std::vector<std::vector<CrackPoint>>& profiles;
 };
+/// Whether faces of one of them touch and part in turn so often that measures tell how much that is.
+bool turn_often(const std::vector<CrackResult>& cracks);
 /// Cracks whose faces touch and part in turn by less than the mesh errs by, as under loads that neither open nor close
-/// them.
-std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const ContactMeasures& of);
-std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& model,
-                                          const State& state);
+/// them. `body`: that the cracks are in, its mesh divided or not.
+std::vector<std::string> notes_on_contact(const std::vector<CrackResult>& cracks, const Model& body,
+                                          const ContactMeasures& of);
 
 /// What the extrema of a map leave out, per corner or triangle.
 enum class LeftOut : unsigned char { No, Masked, Singular };
@@ -69,11 +68,6 @@ struct MapTask {
 };
 /// Empty where the map is made at listed points only.
 bool is_everywhere(const FullMap& map);
-/// Of the corners whose values the files and the picture have; of the points where the map is not everywhere.
-/// `left_out` is the measure of what min and max are over: the rest, or, where that is nothing, what is masked, too.
-MapResult map_result(const MapTask& task, const Analysis& analysis, const FullMap& map, const PlotData& data,
-                     std::span<const LeftOut> left_out);
-
 std::vector<NamedField> state_fields(const Model& model, const State& state, const PlotData& data,
                                      const Indicator& indicator);
 /// Of an iterate of an optimization.

@@ -3,7 +3,7 @@
 
 #include "app/run/history.hpp"
 
-#include "app/run/collect.hpp"
+#include "app/run/findings.hpp"
 #include "app/run/solve.hpp"
 #include "solver/history.hpp"
 
@@ -39,7 +39,8 @@ StepResult result_of(const LoadStep& step, const SolvedStep& now, const SolvedSt
   const SlipLengths lengths = slip_lengths(now.model, now.state);
   r.stick_length = lengths.stick;
   r.slip_length = lengths.slip;
-  for (const CrackResult& crack : crack_results(now.model, now.state, c.shape, c.planes, c.output.tips)) {
+  Findings found;
+  for (const CrackResult& crack : find_cracks(c, whole(c, now.model, now.state), c.output.tips, found)) {
     r.open_length += crack.open_length;
     r.closed_length += crack.closed_length;
     for (const TipResult& tip : crack.tips) r.tips.push_back({crack.name, tip.at, tip.K_I, tip.K_II});

@@ -38,6 +38,7 @@ struct Journal {
   Stopwatch since_start = {}, since_lap = {};
   std::string phase = {};      // the present one
   std::string load_case = {};  // whose state the pictures show; empty without load cases
+  bool whole = true;           // fields are those of this process; else each of several writes its piece
   std::string missing = {};    // files that are wanted and cannot be had, and why; empty mostly
   std::shared_ptr<Writer> writer = std::make_shared<Writer>();  // of the files, result.json and the page aside
 

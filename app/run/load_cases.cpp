@@ -5,10 +5,10 @@
 
 #include "app/run/load_cases.hpp"
 
+#include "app/run/findings.hpp"
 #include "app/run/margins.hpp"
 #include "app/run/notes.hpp"
 #include "app/run/peaks.hpp"
-#include "app/run/reserve.hpp"
 #include "optimize/load_cases.hpp"
 #include "solver/resultants.hpp"
 #include "solver/system.hpp"
@@ -19,16 +19,12 @@
 
 namespace kerf {
 
-void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& state,
-                 std::vector<CrackResult>& cracks, Journal& journal) {
+void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, Findings& found, Journal& journal) {
   if (!c.output.peaks) return;
   const SingularZones zones = singular_zones(adapted.model, extent(c.shape));
-  add_peaks(adapted.model, data, zones, extent(c.shape), state, cracks);
-  if (state.von_mises && !is_of_polygon(c.shape, adapted.model.mesh))  // corners of chords have a note
-    refine_peak(adapted.model, adapted.state, data, c.plane_strain, zones, *state.von_mises);
+  find_peaks(c, whole(c, adapted.model, adapted.state), data, zones, found);
   journal.seconds.recover += journal.lap();
-  add_margins(c, adapted, data, state, cracks);
-  state.reserves = reserves_of(c, adapted.model, data, zones, state, cracks);
+  add_margins(c, adapted, data, found.state, found.cracks);
   journal.seconds.margins += journal.lap();
 }
 
@@ -63,14 +59,15 @@ Adapted solved(Case& c, const Adapted& shown, const std::function<Adapted(Case&,
 
 /// Energies, reactions and largest values.
 StateResult measured(const Case& c, const Adapted& adapted, Journal& journal) {
-  StateResult s{.energy = potential_energy(adapted.model, adapted.state),
-                .compliance = work_of_loads(adapted.model, adapted.state)};
-  require_energy(s.energy, has_stress(adapted.model, adapted.state));
-  add_resultants(adapted.model, reactions(adapted.model, adapted.state), c.shape, s);
-  std::vector<CrackResult> cracks;
-  if (c.output.peaks)
-    add_largest(c, adapted, plot_data(adapted.model, adapted.state, c.plane_strain), s, cracks, journal);
-  return s;
+  Findings found;
+  find_numbers(c, whole(c, adapted.model, adapted.state), found);
+  require_energy(found.state.energy, found.has_stress);
+  add_resultants(adapted.model, found.reactions, c.shape, found.state);
+  if (c.output.peaks) add_largest(c, adapted, plot_data(adapted.model, adapted.state, c.plane_strain), found, journal);
+  std::vector<std::string> notes = notes_on_size(found.strain, found.state.displacement, extent(c.shape));
+  notes.insert(notes.end(), found.state.notes.begin(), found.state.notes.end());
+  found.state.notes = std::move(notes);
+  return std::move(found.state);
 }
 
 std::string whose(const std::vector<LoadCase>& all, const std::string& shown) {

@@ -6,10 +6,9 @@
 
 namespace kerf {
 
-/// The largest stress, displacement and pressures of a state, with margins where the case asks for them. Nothing where
-/// it does not ask for the largest values.
-void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, StateResult& state,
-                 std::vector<CrackResult>& cracks, Journal& journal);
+/// The largest stress, displacement and pressures of a state that this process has as a whole, with margins where the
+/// case asks for them. Nothing where it does not ask for the largest values.
+void add_largest(const Case& c, const Adapted& adapted, const PlotData& data, Findings& found, Journal& journal);
 
 /// A case of its own under the loads of one of its load cases.
 Case under(const Case& c, const LoadCase& load_case);

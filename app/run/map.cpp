@@ -147,14 +147,6 @@ Mapped make_map(const MapTask& task, Analysis& analysis, const PlotData& data, c
   return map;
 }
 
-Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
-  const SingularZones zones = singular_zones(*analysis.model, extent(shape));
-  Mapped map = make_map(task, analysis, data, zones);
-  map.result = map_result(task, analysis, map.full, data, map.left_out_corner);
-  if (is_everywhere(map.full)) map.result.excluded_radius = zones.largest();
-  return map;
-}
-
 // Held all around, such a body answers a change by pressure everywhere.
 bool may_answer_by_pressure(const Scene& scene) {
   constexpr double nearly = 0.01;  // of c mu, (1 - 2 nu)/4 in plane strain: nu = 0.48

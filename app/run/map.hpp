@@ -27,7 +27,6 @@ struct Mapped {
 };
 /// Without its result. `zones`: what the extrema leave out besides the mask.
 Mapped make_map(const MapTask& task, Analysis& analysis, const PlotData& data, const SingularZones& zones);
-Mapped map_body(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape);
 
 /// What a reader of this map should know.
 std::vector<std::string> limits_of_map(const MapTask& task, const Analysis& analysis, const MapResult& map);

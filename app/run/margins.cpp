@@ -97,26 +97,15 @@ bool wants_margins(const Case& c, double triangles) {
          is_mixed(c.element) && c.steps.empty();
 }
 
-void refine_peak(const Model& model, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, Peak& von_mises) {
+void refine_peak(const SolvedPart& s, const PlotData& data, bool plane_strain, const SingularZones& zones,
+                 const std::vector<bool>& own, Peak& von_mises) {
   PlacedValue* value = regular_part(von_mises);
   if (!value) return;
-  const std::vector<PointIn> points = points_near_largest(model, data.corners, data.von_mises, in_zones(zones));
-  const Eigen::VectorXd found = von_mises_at(model, state, plane_strain, points);
-  Eigen::Index best = 0;
-  if (found.size() > 0 && std::isfinite(found.maxCoeff(&best)))
-    *value = {points[static_cast<std::size_t>(best)].x, found[best]};
-}
-
-void refine_peak(const Model& part, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, std::span<const Index> own, Communicator& comm, Peak& von_mises) {
-  PlacedValue* value = regular_part(von_mises);
-  if (!value) return;
-  Eigen::VectorXd at_corners = Eigen::VectorXd::Constant(data.von_mises.size(), nan);
-  for (const Index corner : own)
-    if (data.von_mises[corner] >= near_largest * value->value) at_corners[corner] = data.von_mises[corner];
-  const std::vector<PointIn> points = points_near_largest(part, data.corners, at_corners, in_zones(zones));
-  const Eigen::VectorXd found = von_mises_at(part, state, plane_strain, points);
+  Eigen::VectorXd at_corners = data.von_mises;
+  for (Eigen::Index i = 0; i < at_corners.size(); ++i)
+    if (!own[static_cast<std::size_t>(i)] || !(at_corners[i] >= near_largest * value->value)) at_corners[i] = nan;
+  const std::vector<PointIn> points = points_near_largest(s.model, data.corners, at_corners, in_zones(zones));
+  const Eigen::VectorXd found = von_mises_at(s.model, s.state, plane_strain, points);
   struct Flat {
     double value, x, y;
   };
@@ -126,7 +115,7 @@ void refine_peak(const Model& part, const State& state, const PlotData& data, bo
     const Vec2& x = points[static_cast<std::size_t>(best)].x;
     flat.push_back({found[best], x.x(), x.y()});
   }
-  const std::vector<Flat> all = gathered(comm, flat);
+  const std::vector<Flat> all = gathered(s.comm, flat);
   const auto largest = std::ranges::max_element(all, {}, &Flat::value);
   if (largest != all.end()) *value = {Vec2(largest->x, largest->y), largest->value};
 }

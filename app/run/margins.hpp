@@ -2,23 +2,16 @@
 // Margins of the largest stress, the largest displacement and of what stands at the tips of cracks: how far the element
 // of one degree more on the same mesh is from what is printed [theory: R.11].
 
+#include "app/run/findings.hpp"
 #include "app/run/journal.hpp"
-#include "app/run/peaks.hpp"
-#include "solver/divided_body.hpp"
-
-#include <span>
 
 namespace kerf {
 
 /// Looks for the largest von Mises stress inside triangles and on their edges, by the recovered stress: the corners
-/// alone would miss it where it lies between them.
-void refine_peak(const Model& model, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, Peak& von_mises);
-
-/// The same of a body in parts, which all processes call together with the largest value of all. `own`: the corners of
-/// own triangles.
-void refine_peak(const Model& part, const State& state, const PlotData& data, bool plane_strain,
-                 const SingularZones& zones, std::span<const Index> own, Communicator& comm, Peak& von_mises);
+/// alone would miss it where it lies between them. All processes call it together with the largest value of all.
+/// `own`: of corners, whether they are those of own triangles.
+void refine_peak(const SolvedPart& solved, const PlotData& data, bool plane_strain, const SingularZones& zones,
+                 const std::vector<bool>& own, Peak& von_mises);
 
 /// Whether a body of so many triangles gets margins, as far as the case says.
 bool wants_margins(const Case& c, double triangles);

@@ -4,7 +4,7 @@
 
 #include "app/run/notes.hpp"
 
-#include "app/run/peaks.hpp"
+#include "app/run/findings.hpp"
 #include "geometry/curved.hpp"
 #include "geometry/plane.hpp"
 #include "io/document.hpp"
@@ -190,7 +190,7 @@ std::vector<std::string> notes_on_patches(const Case& c, const StateResult& s) {
 
 }  // namespace
 
-void add_notes(const Case& c, const StateFacts& facts, Result& r) {
+void add_notes(const Case& c, const Model& body, const Findings& found, bool in_single, Result& r) {
   std::vector<std::string>& notes = r.state->notes;
   const auto add = [&notes](std::string note) {
     if (!note.empty()) notes.push_back(std::move(note));
@@ -198,13 +198,12 @@ void add_notes(const Case& c, const StateFacts& facts, Result& r) {
   const auto add_all = [&add](std::vector<std::string> some) {
     for (std::string& note : some) add(std::move(note));
   };
-  const Model& body = facts.body;
   add_all(notes_on_data(body.mesh, body.scene, body.inner->data, c.shape));
   r.state->patches = patch_results(c, body, *r.state);
   add_all(notes_on_patches(c, *r.state));
   add_all(notes_on_faces(r.cracks));
   add(note_on_drawing(c, body));
-  if (facts.in_single)
+  if (in_single)
     add("the factor is kept in single precision: in double it would take more memory than there is or may be used");
   add(implausible(c.units, c.young));
   if (has_functions(*c.document))
@@ -213,21 +212,21 @@ void add_notes(const Case& c, const StateFacts& facts, Result& r) {
     add(fmt::format("state, cracks and pictures are those of the end of step \"{}\"; steps.csv has all of the history",
                     r.steps.back().name));
   std::string loads = note_on_loads(c.scene, c.shape);
-  if (loads.empty() && facts.certified && !facts.has_stress)
+  if (loads.empty() && certified(found.solved) && !found.has_stress)
     loads =
         "there is no stress in the body: its loads are 0 wherever they were looked at, and what is prescribed moves "
         "it as a rigid one";
   add(std::move(loads));
-  add(note_on_size(c, facts.triangles));
+  add(note_on_size(c, static_cast<std::size_t>(r.triangles)));
   add_all(notes_on_files(c));
-  add_all(facts.contact);
+  add_all(notes_on_contact(r.cracks, body, {found.mean_stress, found.profiles}));
 }
 
-void add_notes_on_chords(const Case& c, const Mesh& mesh, const std::function<double(const Vec2&)>& beside, Result& r) {
+void add_notes_on_chords(const Case& c, const Mesh& mesh, double beside, Result& r) {
   StateResult& s = *r.state;
   if (!s.von_mises) return;
   if (const auto top = top_on_chords(c, *s.von_mises))
-    if (std::string note = note_on_chords(c, *top, beside(top->at)); !note.empty()) s.notes.push_back(std::move(note));
+    if (std::string note = note_on_chords(c, *top, beside); !note.empty()) s.notes.push_back(std::move(note));
   if (lies_on_chords_of_file(c, mesh, *s.von_mises))
     s.notes.push_back(note_on_chords_of_file(s.von_mises->singular ? *s.von_mises->regular : s.von_mises->largest));
 }

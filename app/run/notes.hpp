@@ -10,6 +10,8 @@
 
 namespace kerf {
 
+struct Findings;  // app/run/findings.hpp
+
 /// Why no guarantee stands on the data of the body: they are sampled at points; empty: it does.
 std::string sampled_note(const Model& model);
 /// Data that the rules of the solver do not resolve: what, where, in words.
@@ -27,20 +29,13 @@ std::vector<std::string> notes_on_files(const Case& c);
 /// Whether chords stand for curved sides, so that what is bounded is of the polygon.
 bool is_of_polygon(const Shape& shape, const Mesh& mesh);
 
-/// What the notes need of a state, whoever has it.
-struct StateFacts {
-  const Model& body;      // on several processes that before the mesh is divided
-  std::size_t triangles;  // of the mesh that the state is on
-  bool certified, has_stress;
-  bool in_single = false;                 // factors, by a forecast
-  std::vector<std::string> contact = {};  // notes_on_contact
-};
 /// Of data, faces, drawing, factors, units, loads, mesh and contact, in this order, behind what `r.state` has. Takes
-/// `r.cracks` and `r.steps`.
-void add_notes(const Case& c, const StateFacts& facts, Result& r);
+/// `r.cracks`, `r.steps` and `r.triangles`. `body`: on several processes that before the mesh is divided; `in_single`:
+/// factors, by a forecast.
+void add_notes(const Case& c, const Model& body, const Findings& found, bool in_single, Result& r);
 /// Where the largest stress lies on chords that stand for a curve. `beside`: the largest stress in the middles of the
-/// edges next to a place.
-void add_notes_on_chords(const Case& c, const Mesh& mesh, const std::function<double(const Vec2&)>& beside, Result& r);
+/// edges next to it.
+void add_notes_on_chords(const Case& c, const Mesh& mesh, double beside, Result& r);
 /// Of points outside the body: those of probes, and of the map if there is one.
 std::vector<std::string> notes_on_points(const Case& c, const Mesh& mesh, const Locator& locator, bool with_map);
 

@@ -205,18 +205,6 @@ std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const 
   return notes;
 }
 
-void add_peaks(const Model& model, const PlotData& data, const SingularZones& zones, double extent, StateResult& state,
-               std::vector<CrackResult>& cracks) {
-  state.von_mises = peak(data.points, data.von_mises, zones);
-  state.displacement = peak(data.points, data.values.displacement.colwise().norm().transpose(), {});
-  add_pressures(
-      {ends_inside(model.mesh), static_cast<std::size_t>(model.inner->skeleton.per_edge) / 2, zones.points, extent},
-      cracks);
-  for (std::string& note :
-       notes_on_size(peak(data.points, principal_strains(model, data), zones), state.displacement, extent))
-    state.notes.push_back(std::move(note));
-}
-
 namespace {
 
 bool lies_on(const Arc& arc, const Vec2& x) {

@@ -43,10 +43,6 @@ void add_pressures(const PressureProfiles& of, std::vector<CrackResult>& cracks)
 std::vector<std::string> notes_on_size(const std::optional<Peak>& strain, const std::optional<Peak>& displacement,
                                        double extent);
 
-/// Fills in the largest stress, displacement and pressures, with notes_on_size.
-void add_peaks(const Model& model, const PlotData& data, const SingularZones& zones, double extent, StateResult& state,
-               std::vector<CrackResult>& cracks);
-
 /// Chords stand for curved sides, and at their corners the stress is larger than on the curve: what to say of a largest
 /// stress there that is by 2 % larger than in the middle of the chords beside it. Empty where there is nothing to say.
 std::string note_on_chords(const Case& c, const PlacedValue& top, double beside);

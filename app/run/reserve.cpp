@@ -7,6 +7,7 @@
 #include "app/run/reserve.hpp"
 
 #include "geometry/plane.hpp"
+#include "solver/system.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,12 +41,12 @@ const Strength* strength_of(const Case& c, const std::string& region) {
   return found == c.strength.end() ? nullptr : &*found;
 }
 
-/// The values at corners of triangles of one region; not a number elsewhere.
-Eigen::VectorXd in_region(const Mesh& mesh, const PlotData& data, Index region) {
+/// The values at corners of own triangles of one region; not a number elsewhere.
+Eigen::VectorXd in_region(const Model& model, const PlotData& data, Index region) {
   Eigen::VectorXd out = Eigen::VectorXd::Constant(data.von_mises.size(), nan);
-  for (std::size_t t = 0; t < data.corners.of.size(); ++t)
-    if (region_of(mesh, static_cast<Index>(t)) == region)
-      for (const Index corner : data.corners.of[t]) out[corner] = data.von_mises[corner];
+  for (Index t = 0; t < own_triangles(model); ++t)
+    if (region_of(model.mesh, t) == region)
+      for (const Index corner : data.corners.of[static_cast<std::size_t>(t)]) out[corner] = data.von_mises[corner];
   return out;
 }
 
@@ -55,11 +56,10 @@ std::optional<PlacedValue> regular(const std::optional<Peak>& peak) {
 }
 
 /// What is known of the whole body, where it lies in this region, too, is known better than at corners.
-std::optional<PlacedValue> largest_in(const Model& model, const PlotData& data, const StateResult& state,
-                                      const SingularZones& zones, Index region, bool alone) {
-  const auto whole = regular(state.von_mises);
-  if (alone) return whole;
-  const auto own = regular(peak(data.points, in_region(model.mesh, data, region), zones));
+std::optional<PlacedValue> largest_in(const SolvedPart& s, const PlotData& data, const std::optional<Peak>& of_body,
+                                      const SingularZones& zones, Index region) {
+  const auto whole = regular(of_body);
+  const auto own = regular(largest_of(s.comm, peak(data.points, in_region(s.model, data, region), zones)));
   return own && whole && whole->value > own->value && (whole->at - own->at).norm() <= zones.largest() ? whole : own;
 }
 
@@ -91,9 +91,8 @@ void add_tips(const Case& c, const std::vector<CrackResult>& cracks, std::vector
 
 }  // namespace
 
-std::vector<ReserveResult> reserves_of(const Case& c, const Model& model, const PlotData& data,
-                                       const SingularZones& zones, const StateResult& state,
-                                       const std::vector<CrackResult>& cracks) {
+std::vector<ReserveResult> reserves_of(const Case& c, const SolvedPart& solved, const PlotData& data,
+                                       const SingularZones& zones, const Findings& found) {
   std::vector<ReserveResult> out;
   if (c.strength.empty()) return out;
   // By name: a design may have other regions than the case.
@@ -101,12 +100,13 @@ std::vector<ReserveResult> reserves_of(const Case& c, const Model& model, const 
   for (Index region = none; region < regions; ++region) {
     const Strength* const bears = strength_of(c, name_of_region(c.shape, region));
     if (!bears || !bears->yield) continue;
-    const auto largest = largest_in(model, data, state, zones, region, regions == 0);
+    const auto& body = found.state.von_mises;
+    const auto largest = regions == 0 ? regular(body) : largest_in(solved, data, body, zones, region);
     if (!largest) continue;
     out.push_back(against(ReserveResult::Of::Yield, largest->value, *bears->yield, largest->at));
     out.back().region = bears->region;
   }
-  add_tips(c, cracks, out);
+  add_tips(c, found.cracks, out);
   std::ranges::stable_sort(out, {}, &ReserveResult::factor);
   return out;
 }

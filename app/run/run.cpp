@@ -6,8 +6,9 @@
 // with an optimization alone the state is that of its design. A section is there as soon as it is known: what fails
 // later leaves it, result.json then says "failed" and why, and the error goes on to the caller. Nothing is built on a
 // state that is not certified: the status is "not converged". Where an edge that follows a curve folds a triangle the
-// body is solved once more with chords, unless the case insists on curves. Several processes on a divided mesh have a
-// pipeline of their own (parts.cpp).
+// body is solved once more with chords, unless the case insists on curves. Several processes solve a divided mesh
+// together and find what is asked of the state while they have it (parts.cpp); from there on the first one goes on as
+// one process does.
 
 #include "app/run.hpp"
 #include "app/processes.hpp"
@@ -21,6 +22,7 @@
 #include "app/run/bounds.hpp"
 #include "app/run/checkpoints.hpp"
 #include "app/run/edge_cracks.hpp"
+#include "app/run/findings.hpp"
 #include "app/run/grow.hpp"
 #include "app/run/history.hpp"
 #include "app/run/load_cases.hpp"
@@ -38,7 +40,6 @@
 #include "io/files.hpp"
 #include "io/kept.hpp"
 #include "io/mesh_source.hpp"
-#include "kerf/folded.hpp"
 #include "kerf/stop.hpp"
 #include "optimize/load_cases.hpp"
 #include "plot/page.hpp"
@@ -257,11 +258,6 @@ void write_kept(const KeptCase& kept, const std::filesystem::path& folder) {
 // The steps, with what they add to the result. Sections are there as soon as they are known: what fails later leaves
 // them.
 
-struct SolvedState {
-  Adapted adapted;
-  PlotData data;
-};
-
 void describe_mesh(const Mesh& mesh, Result& r) {
   r.triangles = static_cast<Index>(mesh.triangles.size());
   r.vertices = static_cast<Index>(mesh.points.size());
@@ -294,64 +290,68 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
   return adapted;
 }
 
-/// With chords after all where an edge that follows a curve folds a triangle, unless mesh.curved = true.
 Adapted solve_body_as_it_can(Case& c, Journal& journal, Result& r) {
-  try {
-    return solve_body(c, journal, r);
-  } catch (const FoldedTriangle& e) {
-    if (c.curved.value_or(false)) throw;
-    draw_chords(c, e.what());
-    return solve_body(c, journal, r);
-  }
+  return as_it_can(c, [&] { return solve_body(c, journal, r); });
 }
 
-SolvedState solve_state(Case& c, Journal& journal, Result& r) {
+/// Whether each process has a part of the mesh, which none has as a whole.
+bool is_in_parts(const Case& c, const Processes* processes) {
+  return c.backend == Backend::Petsc && processes && processes->count() > 1;
+}
+
+Adapted solve_or_stop(Case& c, Journal& journal, Result& r) {
   Adapted adapted = solve_body_as_it_can(c, journal, r);
-  if (stop_requested()) {  // between rounds: the last one is there
-    write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain),
-                crack_results(adapted.model, adapted.state, c.shape, c.planes), journal);
-    throw Stopped{};
-  }
+  if (!stop_requested()) return adapted;
+  Findings found;  // between rounds: the last one is there
+  const auto cracks = find_cracks(c, whole(c, adapted.model, adapted.state), true, found);
+  write_state(adapted, plot_data(adapted.model, adapted.state, c.plane_strain), cracks, journal);
+  throw Stopped{};
+}
+
+/// The body and its state, with what is measured of it, by one process.
+RunState solve_alone(Case& c, Journal& journal, Result& r) {
+  RunState solved{.adapted = solve_or_stop(c, journal, r), .data = {}, .found = {}};
+  const Adapted& adapted = solved.adapted;
+  Findings& found = solved.found;
   journal.begin("recover");
-  StateSection section = describe_state(adapted, c, journal);
-  r.state = std::move(section.state);
-  r.state->thickness = c.thickness;
-  if (const auto effort = solver_effort(adapted.model)) r.solver = solver_result(*effort);
-  r.cracks = std::move(section.cracks);
+  found = find_state(c, whole(c, adapted.model, adapted.state, adapted.indicator), journal.seconds);
+  journal.lap();
+  if (const auto effort = solver_effort(adapted.model)) found.solver = solver_result(*effort);
   if (c.backend == Backend::Petsc)
-    r.state->notes.emplace_back(
+    found.notes.emplace_back(
         "backend \"petsc\": one process, whose factor \"cholmod\" makes; mpiexec -n N kerf starts more");
-  add_notes(c,
-            {.body = adapted.model,
-             .triangles = adapted.model.mesh.triangles.size(),
-             .certified = certified(adapted.state),
-             .has_stress = has_stress(adapted.model, adapted.state),
-             .in_single = journal.options.in_single && r.solver,  // else it did not serve, which a note says
-             .contact = notes_on_contact(r.cracks, adapted.model, adapted.state)},
-            r);
-  if (section.contact) r.contact = std::move(section.contact);
-  require_energy(r.state->energy, has_stress(adapted.model, adapted.state));
   const bool seen = c.output.peaks || journal.vtk || journal.png || journal.html || journal.options.fields;
-  PlotData data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
-  add_largest(c, adapted, data, *r.state, r.cracks, journal);
-  const auto beside_top = [&](const Vec2& top) {
-    return beside(adapted.model, adapted.state, data, c.plane_strain, top);
-  };
-  add_notes_on_chords(c, adapted.model.mesh, beside_top, r);
+  solved.data = seen ? plot_data(adapted.model, adapted.state, c.plane_strain) : plot_corners(adapted.model);
+  add_largest(c, adapted, solved.data, found, journal);
+  return solved;
+}
+
+RunState solve_state(Case& c, bool with_map, Journal& journal, Result& r) {
+  RunState solved =
+      is_in_parts(c, journal.options.processes) ? solve_in_parts(c, with_map, journal, r) : solve_alone(c, journal, r);
+  const Adapted& adapted = solved.adapted;
+  tell_state(c, adapted.model, solved.found, journal, r);
   journal.seconds.recover += journal.lap();
   const auto alone = [&journal](Case& one, Result& unseen) { return solve_body_as_it_can(one, journal, unseen); };
   if (certified(adapted.state)) add_load_cases(c, adapted, alone, journal, r);
   journal.load_case = r.state->load_case;
-  write_state(adapted, data, r.cracks, journal);
-  return {std::move(adapted), std::move(data)};
+  write_state(adapted, solved.data, r.cracks, journal);
+  return solved;
 }
 
-Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with_map, Journal& journal, Result& r) {
+Mapped map_alone(const MapTask& task, Analysis& analysis, const PlotData& data, const Shape& shape) {
+  Alone comm;
+  return find_map(task, analysis, data, singular_zones(*analysis.model, extent(shape)), comm);
+}
+
+Analysis evaluate_functional(const Case& c, RunState& solved, bool with_map, Journal& journal, Result& r) {
   const auto note = [&r](const std::vector<std::string>& notes) {
     r.state->notes.insert(r.state->notes.end(), notes.begin(), notes.end());
   };
   journal.begin(with_map ? "map" : "functional");
-  Analysis analysis = evaluate(c.functional, solved.adapted, with_map);
+  const auto& together = solved.together;
+  Analysis analysis = together ? together->functional : evaluate(c.functional, solved.adapted, with_map);
+  analysis.model = &solved.adapted.model;
   r.functional = functional_result(c.functional, analysis);
   if (r.load_cases.size() > 1)
     note(
@@ -359,7 +359,7 @@ Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with
                      "weighted sum over all load cases",
                      r.state->load_case)});
   note(notes_on(c.functional, analysis, c.shape, r.cracks));
-  if (!c.mesh)
+  if (!c.mesh && !together)
     if (const std::string grows = note_on_growth(c.functional, body_of(c, solved.adapted), c.contact, analysis);
         !grows.empty())
       note({grows});
@@ -368,9 +368,9 @@ Analysis evaluate_functional(const Case& c, const SolvedState& solved, bool with
     return analysis;
   }
   const MapTask task = map_task(c);
-  Mapped map = map_body(task, analysis, solved.data, c.shape);
+  Mapped map = together ? std::move(solved.together->map) : map_alone(task, analysis, solved.data, c.shape);
   r.map = map.result;
-  note(limits_of_map(task, analysis, map.result));
+  note(together ? together->limits : limits_of_map(task, analysis, map.result));
   note(bound_map(task, analysis, body_of(c, solved.adapted), map));
   r.map = map.result;
   if (journal.options.fields) journal.options.fields->map = map.full;
@@ -440,8 +440,8 @@ void draw_design(const Case& design, Journal& journal, Result& r) {
 }
 
 /// The state of the optimal design; J is what the optimization says, over all load cases.
-SolvedState solve_design(Case& design, Journal& journal, Result& r) {
-  SolvedState solved = solve_state(design, journal, r);
+RunState solve_design(Case& design, Journal& journal, Result& r) {
+  RunState solved = solve_state(design, false, journal, r);
   write_design_mesh(journal, solved.adapted.model.mesh, design.shape);
   journal.picture("design.png", [&] { return picture_of(design, solved.adapted.model.mesh); });
   r.functional = {design.functional.kind, r.optimize->objective};
@@ -467,7 +467,7 @@ void fail(const Error& e, Journal& journal, Result& r) {
 /// The body that the state of a run belongs to. It stays where it is: the analysis points to the state.
 struct Outcome {
   Case c;
-  SolvedState solved;
+  RunState solved;
   std::optional<Analysis> analysis = {};
 };
 
@@ -489,7 +489,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
   std::unique_ptr<Outcome> out;
   try {
     if (!jobs.optimize || jobs.map || jobs.validate || jobs.grow || jobs.edges) {
-      SolvedState solved = solve_state(c, journal, r);
+      RunState solved = solve_state(c, jobs.map, journal, r);
       out = std::make_unique<Outcome>(Outcome{std::move(c), std::move(solved)});
     }
   } catch (const Error& e) {
@@ -508,7 +508,7 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
       if (out) {
         draw_design(design, journal, r);
       } else {
-        SolvedState solved = solve_design(design, journal, r);
+        RunState solved = solve_design(design, journal, r);
         out = std::make_unique<Outcome>(Outcome{std::move(design), std::move(solved)});
       }
     }
@@ -521,11 +521,6 @@ std::unique_ptr<Outcome> perform(const Case& given, const Jobs& jobs, Journal& j
     journal.lap();
   }
   return out;
-}
-
-/// Whether each process has a part of the mesh, which none has as a whole.
-bool is_in_parts(const Case& c, const Processes* processes) {
-  return c.backend == Backend::Petsc && processes && processes->count() > 1;
 }
 
 /// What [bounds] and mesh.adapt ask for.
@@ -615,11 +610,6 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     given = with_data(std::move(given), journal.options);
   }
   journal.seconds.solve += journal.lap();
-  if (is_in_parts(read, journal.options.processes)) {
-    const CoarseCopy copy = solve_in_parts(read, jobs.map, *journal.options.processes, journal, r);
-    end(read, copy.adapted, copy.data, journal, r);
-    return r;
-  }
   std::unique_ptr<Outcome> out = perform(given, jobs, journal, r);
 
   const Case& c = out->c;
@@ -631,11 +621,15 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
   for (std::string& note : notes_on_points(c, adapted.model.mesh, locator, r.map.has_value()))
     r.state->notes.push_back(std::move(note));
   const Analysis* mapped = r.map && out->analysis ? &*out->analysis : nullptr;
-  for (std::size_t i = 0; i < c.probes.size(); ++i)
-    write_probe_file(journal, c.probes[i], probe_rows(c.probes[i], adapted, locator, map_task(c), mapped), bounded[i]);
+  const auto& together = out->solved.together;
+  const auto rows =
+      together ? together->probes : find_probes(c, whole(c, adapted.model, adapted.state), map_task(c), mapped);
+  for (std::size_t i = 0; i < c.probes.size(); ++i) write_probe_file(journal, c.probes[i], rows[i], bounded[i]);
   if (!certified(adapted.state)) {
     r.status = "not converged";
     r.reason = failure(adapted.model, adapted.state);
+    if (together && c.precision == FactorPrecision::Single)
+      *r.reason += "; factors in double precision may serve (solver.precision)";
   }
   if (RunFields* const fields = journal.options.fields) {
     fields->mesh = adapted.model.mesh;
@@ -643,7 +637,7 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
     fields->indicator = adapted.indicator.eta;
   }
   end(c, adapted, out->solved.data, journal, r);
-  if (journal.options.fields) journal.options.fields->at = reader_of(std::move(out), mapped != nullptr);
+  if (journal.options.fields && !together) journal.options.fields->at = reader_of(std::move(out), mapped != nullptr);
   return r;
 }
 

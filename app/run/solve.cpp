@@ -1,12 +1,11 @@
-// The state of a body in a run: solved once or with refinement, described, written, and the notes on it. Notes say what
-// a user should know beside the numbers: data that the rules do not resolve, faces that penetrate, chords in the place
-// of curves, a mesh as coarse as the body, points outside. describe_state() makes the section of the result as far as
-// the case asks for it (energy bounds, tips), and times each part. failure() says in words why a state is not
-// certified: the contact set did not settle, the residual (kkt), or the work of the loads, which must be twice the
-// energy.
+// The state of a body in a run: solved once or with refinement, described, written, and the notes on it. tell_state()
+// makes the section of the result of what one process or several have found (findings.cpp), with its notes. failure()
+// says in words why a state is not certified: the contact set did not settle, the residual (kkt), or the work of the
+// loads, which must be twice the energy.
 
 #include "app/run/solve.hpp"
 
+#include "app/run/findings.hpp"
 #include "app/run/notes.hpp"
 #include "app/write/draw.hpp"
 #include "app/write/files.hpp"
@@ -22,6 +21,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace kerf {
 
@@ -103,36 +103,33 @@ void add_resultants(const Model& model, const std::vector<LabelResultant>& react
   out.balance = ResultantResult{"", sum.force, sum.moment};
 }
 
-void draw_chords(Case& c, const std::string& why) {
+void draw_chords(Case& c, const FoldedTriangle& why) {
+  if (c.curved.value_or(false)) throw why;
   c.sizing.curved = false;
   if (c.mesh) c.mesh = std::make_shared<const Mesh>(with_chords(*c.mesh));
-  c.why_chords = why;
+  c.why_chords = why.what();
 }
 
-StateSection describe_state(const Adapted& adapted, const Case& c, Journal& journal) {
-  const Model& model = adapted.model;
-  const State& state = adapted.state;
-  const Shape& shape = c.shape;
-  StateSection s{state_result(model, state, adapted.indicator), {}, {}};
-  journal.seconds.recover += journal.lap();
-  if (c.output.energy_bounds) {
-    EnergyBounds bounds = energy_bounds(model, state);
-    if (const std::string sampled = sampled_note(model); bounds.guaranteed && !sampled.empty())
-      bounds.guaranteed = false, bounds.note = sampled;
-    add_energy_bounds(bounds, s.state);
-    journal.seconds.energy_bounds += journal.lap();
+void tell_state(const Case& c, const Model& body, Findings& found, const Journal& journal, Result& r) {
+  const std::vector<std::string> on_margins = std::exchange(found.state.notes, body.notes);
+  StateResult& s = r.state.emplace(std::move(found.state));
+  r.cracks = std::move(found.cracks);
+  r.solver = found.solver;
+  if (const std::string note = lost_digits(found.solved); !note.empty()) s.notes.push_back(note);
+  if (found.energy) {
+    if (const std::string sampled = sampled_note(body); found.energy->guaranteed && !sampled.empty())
+      found.energy->note = sampled;
+    add_energy_bounds(*found.energy, s);
   }
-  s.cracks = crack_results(model, state, shape, c.planes, c.output.tips);
-  (c.output.tips && !s.cracks.empty() ? journal.seconds.tips : journal.seconds.recover) += journal.lap();
-  s.state.of_polygon = is_of_polygon(shape, model.mesh);
-  add_resultants(model, reactions(model, state), shape, s.state);
-  // Pieces that contact alone holds are settled in one way, whatever was asked for, and so is large contact.
-  const bool by_rows = has_large_contact(model) || c.backend == Backend::Umfpack;
-  const ContactMethod used = by_rows                             ? ContactMethod::ActiveSet
-                             : model.inner->semicoercive.empty() ? c.contact
-                                                                 : ContactMethod::DualQp;
-  if (has_contact(model.scene)) s.contact = contact_result(state, used, s.cracks);
-  return s;
+  add_resultants(body, found.reactions, c.shape, s);
+  s.notes.insert(s.notes.end(), found.notes.begin(), found.notes.end());
+  add_notes(c, body, found, journal.options.in_single && r.solver, r);  // else it did not serve, which a note says
+  if (has_contact(body.scene)) r.contact = contact_result(found.solved, found.method, r.cracks);
+  require_energy(s.energy, found.has_stress);
+  for (std::string& note : notes_on_size(found.strain, s.displacement, extent(c.shape)))
+    s.notes.push_back(std::move(note));
+  s.notes.insert(s.notes.end(), on_margins.begin(), on_margins.end());
+  add_notes_on_chords(c, body.mesh, found.beside_chords, r);
 }
 
 void write_state(const Adapted& adapted, const PlotData& data, const std::vector<CrackResult>& cracks,

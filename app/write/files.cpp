@@ -51,6 +51,7 @@ Eigen::VectorXd angle_at_corners(const Mesh& mesh, const PlotData& data, const E
 
 void write_fields(const Journal& journal, const std::string& name, const Mesh& mesh, const PlotData& data,
                   std::vector<NamedField> fields) {
+  if (!journal.whole) return;
   const std::size_t bytes = held(data.points, data.corners, fields);
   journal.later([path = journal.file(name), points = data.points, triangles = data.corners.of,
                  middle = middle_points(mesh, data.corners.of),
@@ -101,7 +102,7 @@ std::vector<MapPoint> at_corners(const Mesh& mesh, const PlotData& data, const F
 
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks) {
-  if (journal.vtk)
+  if (journal.vtk && journal.whole)
     write_fields(journal, "state.vtu", adapted.model.mesh, data,
                  state_fields(adapted.model, adapted.state, data, adapted.indicator));
   write_crack_files(journal, cracks);
@@ -230,29 +231,12 @@ void append_bounds(std::vector<double>& row, const BoundedStress* b) {
 
 }  // namespace
 
-std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x,
-                              double derivative) {
+std::array<double, 8> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x) {
   if (triangle == none) return {x.x(), x.y(), nan, nan, nan, nan, nan, nan};  // empty cells
   const Vec2 u = recovered_displacement(model, state, triangle, x).col(0);
   const Eigen::Vector4d s =
       stress_at(model.inner->kernel, kerf::triangle(model, triangle), state.interior.col(triangle), x);
-  return {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), derivative};
-}
-
-std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const Locator& locator,
-                                            const MapTask& task, const Analysis* analysis) {
-  std::vector<MapPoint> map(probe.points.size(), MapPoint{.value = nan});
-  if (analysis) {
-    MapRequest request = task.request;
-    request.bounds = request.second = false;
-    map = map_at(*analysis, task.functional, request, probe.points);
-  }
-  std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < probe.points.size(); ++i) {
-    const Vec2& x = probe.points[i];
-    rows.push_back(probe_row(adapted.model, adapted.state, locate(adapted.model.mesh, locator, x), x, map[i].value));
-  }
-  return rows;
+  return {x.x(), x.y(), u.x(), u.y(), s[0], s[3], 0.5 * (s[1] + s[2]), nan};
 }
 
 void write_probe_file(const Journal& journal, const Probe& probe, std::vector<std::vector<double>> rows,

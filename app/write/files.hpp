@@ -37,11 +37,9 @@ void write_map_files(const Journal& journal, const MapTask& task, const Mapped& 
 void write_map_table(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data);
 
-/// x, y, the state and a derivative at a point; NaN for what is not known: all of it outside the body.
-std::vector<double> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x, double derivative);
-/// Of all points of a probe, with the map of the task unless `analysis` is null.
-std::vector<std::vector<double>> probe_rows(const Probe& probe, const Adapted& adapted, const Locator& locator,
-                                            const MapTask& task, const Analysis* analysis);
+/// x, y and the state at a point, the place of a derivative behind them; NaN for what is not known: all of it outside
+/// the body.
+std::array<double, 8> probe_row(const Model& model, const State& state, Index triangle, const Vec2& x);
 /// A probe_<name>.csv of these rows. Where the probe asks for bounds: those of the stresses, in the order of its
 /// points.
 void write_probe_file(const Journal& journal, const Probe& probe, std::vector<std::vector<double>> rows,

@@ -657,6 +657,27 @@ html = false
                "map", {"the body is nearly incompressible and held all around"});
 }
 
+// Of each material its own largest stress, wherever it lies; of the crack its tips.
+TEST_F(DividedRun, ReservesAreThoseOfOneProcess) {
+  write(square + material("0.3") + "yield = 3\ntoughness = 2\n" + open_crack + solver("bdms", 1) +
+        R"([[region]]
+name = "stiff"
+circle = { center = [0.3, 0.75], radius = 0.12 }
+young = 3
+poisson = 0.2
+yield = 5
+)");
+  const std::string more = coarse_in_parts + "--set mesh.curved=false";
+  const json truth = result(0, "cholmod", "solve", more)["state"]["reserve"];
+  const json r = result(3, "petsc", "solve", more)["state"]["reserve"];
+  ASSERT_EQ(truth.size(), 4u) << truth;
+  ASSERT_EQ(r.size(), truth.size()) << r;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    expect_same(r[i]["factor"], truth[i]["factor"], fmt::format("reserve {}", i));
+    EXPECT_EQ(r[i]["of"], truth[i]["of"]);
+  }
+}
+
 TEST_F(DividedRun, Probes) {
   write(square + material("0.3") + crack("") + solver("bdms", 1) +
         "[[probe]]\nname = \"line\"\nfrom = [0.1, 0.2]\nto = [1.1, 0.8]\ncount = 15\n");
