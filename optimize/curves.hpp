@@ -4,9 +4,12 @@
 #include "geometry/carve.hpp"
 #include "kerf/optimize.hpp"
 
+#include <memory>
 #include <optional>
 
 namespace kerf {
+
+struct DesignCurves;
 
 struct CurvesRequest {
   double size = 0;        // of the mesh; 0: that of the problem
@@ -37,19 +40,25 @@ struct CurvesRow {
   Eigen::VectorXd knots, values, gradients;  // for a replay
 };
 
+/// How the steps ended.
+enum class CurvesEnding { AtResidual, StandsStill, NoStep, Evaluations, Stopped, AsCarved };
+
 struct FinishedCurves {
   Shape shape;                  // lines and arcs; labels as carved
   std::vector<Index> crack_of;  // as carved
   double J = nan, area = nan;
   std::vector<double> bounds;
   double residual = nan, price = nan;
-  double residual_before = nan;           // of the curves as fitted
+  double residual_before = nan;  // of the curves as fitted
+  double gain = nan;             // of J plus price of area, by moving them: what could still be had [theory: K.8]
   std::optional<FinerDesign> finer = {};  // on the mesh by which designs are judged, with the residual there
   int evaluations = 0, state_solves = 0;
   bool feasible = false;
   std::vector<CurvesRow> rows;
   std::vector<std::string> notes;
-  std::string why;  // it ended
+  CurvesEnding ended = CurvesEnding::AsCarved;
+  std::string why;                                  // it ended
+  std::shared_ptr<const DesignCurves> curves = {};  // those of the shape; none where it stays as carved
 };
 
 /// After each accepted evaluation that was made anew; false: stop.
@@ -71,5 +80,10 @@ Shape fit_curves(const Problem& p, const OptimizeRequest& r, const Carved& carve
 /// cannot be meshed or solved, Error(Usage) for what the element or the scene cannot do.
 FinishedCurves finish_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved, const CurvesRequest& how,
                              const CurvesObserver& see, const std::vector<CurvesRow>& known = {});
+
+/// The same from curves that are there already, instead of a fit.
+FinishedCurves continue_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved,
+                               const DesignCurves& start, const CurvesRequest& how, const CurvesObserver& see,
+                               const std::vector<CurvesRow>& known = {});
 
 }  // namespace kerf

@@ -10,6 +10,7 @@
 #include "kerf/validate.hpp"
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -92,7 +93,7 @@ struct OptimizeRequest {
   std::optional<double> volume_at_most;  // fraction of the area of the body without the design's holes
   double volume_penalty = 0;             // J + penalty * area
   int max_iterations = 100;              // of the level set; state evaluations of the others
-  double tolerance = 1e-3;               // relative change, KKT residual
+  double tolerance = 1e-3;               // of J that may be left to gain; fixed point: relative change; NLopt: residual
   int starts = 0;                        // designs to begin with, the given one first; 0: what is usual for the method
   double min_distance = 0;               // NLopt methods: between holes, and from holes to cracks and the outline
   std::vector<Loop> keep_out;            // stay void: the frame is already without them
@@ -122,10 +123,11 @@ struct Iteration {
   Eigen::VectorXd variables = {};  // NLopt methods
 };
 
-/// How an optimization ended. Optimal: its conditions hold to the residuals printed, on a finer mesh, too. The last two
-/// are of inverse problems.
-enum class Ending { Optimal, Stalled, BudgetUsed, Infeasible, Unexplained, Undetermined };
-inline constexpr std::array<std::string_view, 6> ending_words{"optimal",
+/// How an optimization ended. Optimal: its conditions hold to the residuals printed, on a finer mesh, too. Within: they
+/// do not, but what could still be gained is at most the tolerance. The last two are of inverse problems.
+enum class Ending { Optimal, OptimalWithin, Stalled, BudgetUsed, Infeasible, Unexplained, Undetermined };
+inline constexpr std::array<std::string_view, 7> ending_words{"optimal",
+                                                              "optimal within",
                                                               "stalled",
                                                               "budget used",
                                                               "infeasible",
@@ -181,6 +183,23 @@ struct BumpMargin {
   Vec2 at = Vec2::Zero();
 };
 
+/// The change that would gain most, of its kind.
+struct BestChange {
+  double gain = nan;  // share of |J + penalty * area|; 0: none pays, NaN: not known
+  Vec2 at = Vec2::Zero();
+  double radius = 0;
+};
+
+/// Bounds of what a level set's design could still gain [theory: K.8, L.14, L.21].
+struct GainLeft {
+  double shape = nan;  // by moving the curves, a share as well; NaN: no model of second order
+  BestChange hole, bump;
+  /// All of them; NaN where shape or holes are not known. Bumps are not looked at under body forces.
+  double sum() const {
+    return shape + hole.gain + (std::isfinite(bump.gain) ? bump.gain : 0);
+  }
+};
+
 /// A hole that nucleation cut, as it was drawn, and what it does to J: as the loop foresaw, and when it alone is made
 /// in the design before [theory: L.14]. Bounds are left out.
 struct NucleatedHole {
@@ -224,6 +243,7 @@ struct OptimizeResult {
   std::vector<KeptConstraint> constraints;
   HoleMargin holes;  // level set
   BumpMargin bumps;  // level set
+  GainLeft gain;     // level set
   std::vector<std::string> notes;
   std::vector<Iteration> history;
   Shape shape;                                // the last one
@@ -232,6 +252,9 @@ struct OptimizeResult {
   std::vector<StartTried> starts;             // where there were several: ranked ones, then those that went on
   std::vector<NucleatedHole> nucleated = {};  // level set, in their order
 };
+
+/// "optimal", "optimal within 0.05 %", "stalled", ...
+std::string verdict_of(const OptimizeResult& result);
 
 /// The body without a region that stays void, of which it may have a part, all or nothing; new sides have the label
 /// "keep_out:NAME". Exact to 1e-9 of the size. Throws Error(Geometry) where nothing is left, or more than one piece,
@@ -259,7 +282,8 @@ struct CheckpointPlace {
 /// same bits. Every iterate is shown to `see`. The end is "optimal" where the shape residual (root mean square over
 /// what can move of (rate of J - price)/price, without waves shorter than the mesh size) is at most 0.02 of curves on
 /// their mesh and 0.05 on the finer one, or 0.05 of a carved design, no small hole or bump pays, and the constraints
-/// hold on a mesh of half the size. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry)
+/// hold on a mesh of half the size; "optimal within p %" where instead the bounds of what could still be gained sum to
+/// at most request.tolerance of J. Throws Error(Usage) for a request or an element that does not fit, Error(Geometry)
 /// or Error(Numerics) when the start cannot be meshed or solved.
 OptimizeResult optimize_level_set(const Problem& p, const OptimizeRequest& r, const Observer& see,
                                   const CheckpointPlace& place);

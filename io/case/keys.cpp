@@ -966,7 +966,8 @@ constexpr Key rows[] = {
     {"optimize.tolerance",
      Number,
      {.range = {1e-12, 0.5}},
-     "Relative change of J (level set), residual of the optimality conditions (NLopt).",
+     "Level set: the share of J that may be left to gain in a design that is called optimal within it (fixed point: "
+     "relative change of J that ends it). NLopt: residual of the optimality conditions.",
      "1e-4",
      "1e-3"},
     {"optimize.starts",

@@ -423,6 +423,18 @@ NucleatedHole nucleated_hole(const Json& from) {
   return h;
 }
 
+BestChange best_change(const Json& gain, const char* share, const char* place) {
+  BestChange change{.gain = read_number(gain, share)};
+  if (gain.contains(place))
+    change.at = read_place(gain[place].at("at")), change.radius = read_number(gain[place], "radius");
+  return change;
+}
+
+/// The verdict may have a number: "optimal within 0.05 %".
+Ending ending(const std::string& said) {
+  return said.starts_with(word(Ending::OptimalWithin)) ? Ending::OptimalWithin : from_word<Ending>(ending_words, said);
+}
+
 KeptConstraint kept_constraint(const Json& from) {
   KeptConstraint c{.name = text(from, "name"), .asked = read_number(from, "asked"), .got = read_number(from, "got")};
   c.kept = from.value("kept", false);
@@ -440,7 +452,7 @@ void read_optimize(const Json& from, Result& r) {
   o.volume_fraction = read_number(from, "volume_fraction");
   o.feasible = from.value("feasible", false);
   o.stopped = text(from, "stopped");
-  o.ending = from_word<Ending>(ending_words, text(from, "ending"));
+  o.ending = ending(text(from, "ending"));
   o.optimality = read_number(from, "optimality");
   for (const Json& c : list(from, "constraints")) o.constraints.push_back(kept_constraint(c));
   if (from.contains("hole_margin")) {
@@ -452,6 +464,11 @@ void read_optimize(const Json& from, Result& r) {
   if (from.contains("bump_margin")) {
     o.bumps.least = read_number(from["bump_margin"], "least");
     o.bumps.at = read_place(from["bump_margin"].at("at"));
+  }
+  if (from.contains("gain")) {
+    const Json& gain = from["gain"];
+    o.gain = {read_number(gain, "shape"), best_change(gain, "hole", "best_hole"),
+              best_change(gain, "bump", "best_bump")};
   }
   if (from.contains("finer")) o.finer = finer(from["finer"]);
   for (const Json& h : list(from, "nucleated")) o.nucleated.push_back(nucleated_hole(h));

@@ -645,6 +645,16 @@ Json constraints_section(const std::vector<KeptConstraint>& all) {
   return out;
 }
 
+Json gain_section(const GainLeft& gain) {
+  Json out = {{"shape", number(gain.shape)}, {"hole", number(gain.hole.gain)}, {"bump", number(gain.bump.gain)}};
+  const auto place = [&](const BestChange& change, const char* name) {
+    if (change.gain > 0) out[name] = {{"at", place_of(change.at)}, {"radius", number(change.radius)}};
+  };
+  place(gain.hole, "best_hole");
+  place(gain.bump, "best_bump");
+  return out;
+}
+
 Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
   Json out = {{"method", word(o.method)},
               {"iterations", o.iterations},
@@ -653,8 +663,8 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
               {"volume_fraction", number(o.volume_fraction)},
               {"feasible", o.feasible},
               {"stopped", o.stopped},
-              {"ending", word(o.ending)},
-              {"converged", o.ending == Ending::Optimal},
+              {"ending", verdict_of(o)},
+              {"converged", o.ending == Ending::Optimal || o.ending == Ending::OptimalWithin},
               {"optimality", number(o.optimality)}};
   if (names.volume_at_most) out["volume_at_most"] = number(*names.volume_at_most);
   if (!o.constraints.empty()) out["constraints"] = constraints_section(o.constraints);
@@ -664,6 +674,7 @@ Json optimize_section(const OptimizeResult& o, const OptimizeNames& names) {
   }
   if (std::isfinite(o.bumps.least))
     out["bump_margin"] = {{"least", number(o.bumps.least)}, {"at", place_of(o.bumps.at)}};
+  if (o.method == OptimizeMethod::LevelSet) out["gain"] = gain_section(o.gain);
   if (o.finer.size > 0) out["finer"] = finer_section(o.finer, names);
   if (!o.history.empty()) {
     const Iteration &first = o.history.front(), &last = o.history.back();

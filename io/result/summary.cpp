@@ -337,6 +337,8 @@ void add_optimization(std::string& out, const OptimizeResult& o, const OptimizeN
   std::vector<std::string> items = {item("objective", o.objective, unit), item("volume fraction", o.volume_fraction)};
   if (!o.history.empty()) items[0] += " from " + six(o.history.front().objective);
   if (std::isfinite(o.optimality)) items.push_back(item("optimality", o.optimality));
+  if (const double left = o.gain.sum(); std::isfinite(left))
+    items.push_back(fmt::format("gain left {:.2g} %", 100 * left));
   if (!o.history.empty())
     items.push_back(fmt::format("{} hole{}", o.history.back().holes, o.history.back().holes == 1 ? "" : "s"));
   add(out, "", items);

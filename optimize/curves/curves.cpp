@@ -19,6 +19,7 @@
 #include "optimize/curves/boundary.hpp"
 #include "optimize/curves/curve_mesh.hpp"
 #include "optimize/curves/fit.hpp"
+#include "optimize/curves/gain.hpp"
 #include "optimize/curves/quadratic.hpp"
 #include "optimize/curves/step_limits.hpp"
 #include "optimize/curves/stress_rows.hpp"
@@ -31,6 +32,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <random>
 #include <utility>
 
 namespace kerf {
@@ -57,6 +59,8 @@ constexpr double least_stress_step = 0.03;  // of a step where largest stresses 
 constexpr const char* own_mesh = "a mesh of its own";
 constexpr std::size_t window = 10;  // steps over which less than `slow` of J means that no more is to be had
 constexpr double slow = 2e-4;
+constexpr double gain_safety = 2.5;                 // of the model's gain: restarts gained up to 1.9 times as much
+constexpr double near_best = 2e-4;                  // of J: what the design returned may be above the best one
 constexpr double settled = 0.03;                    // residual from which on knots stay where they are
 constexpr double overshoot = 0.05, outside = 1e-3;  // of the frame, by a step and at the end
 constexpr double of_width = 1 - kept_thickness;     // that may be missing
@@ -128,7 +132,8 @@ class CurvesRun {
     factor_ = VectorXd::Ones(bound_rows_);
   }
 
-  FinishedCurves run();
+  /// From the curves given, or from a fit of the carved design.
+  FinishedCurves run(const DesignCurves* from);
 
  private:
   std::optional<Point> evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base, std::string& failure);
@@ -148,10 +153,15 @@ class CurvesRun {
   void look_closer();
   bool leave_room();
   void settle();
+  bool try_again();
+  double fall_of_ten() const;
+  DesignCurves shaken() const;
   void recall(const CurvesRow& row, Point& x) const;
   bool replays(const CurvesRow& row, const DesignCurves& d, bool meshed) const;
   CurvesRow row_of(const Point& x) const;
-  Linearized linearized(const Point& x) const;
+  Linearized linearized(const Point& x, double reach) const;
+  double gain(const Point& x) const;
+  MatrixXd guess(const Point& x) const;
   void weigh(Point& x) const;
   double merit(const Point& x) const;
   double predicted(const Point& x, const VectorXd& step) const;
@@ -161,6 +171,7 @@ class CurvesRun {
   }
   void begin_curvature(const Point& x);
   void learn(const Point& from, const Point& to, const VectorXd& step);
+  void keep_calmest();
   VectorXd step_within(const Point& x, double radius);
   VectorXd step_to_shape();
   bool is_design(const DesignCurves& d) const;
@@ -174,6 +185,10 @@ class CurvesRun {
   bool remesh(const DesignCurves& d, const std::string& note);
   bool space_anew();
   bool show();
+  void end_with(CurvesEnding how, std::string why) {
+    out_.ended = how;
+    out_.why = std::move(why);
+  }
   Eigen::Index first_bound() const {
     return bounded_ ? 1 : 0;
   }
@@ -206,8 +221,9 @@ class CurvesRun {
   const std::vector<CurvesRow>& known_;
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
   bool bounded_ = false, forgotten_ = false;
-  bool wide_ = true;    // widths asked for can be had; otherwise the end says what is too narrow
-  double outside_ = 0;  // of the frame
+  bool lenient_ = false;  // steps do not make up for what the geometry violates, and only make it no worse
+  bool wide_ = true;      // widths asked for can be had; otherwise the end says what is too narrow
+  double outside_ = 0;    // of the frame
   double least_residual_ = infinity;
   const StressBoxes boxes_ = StressBoxes(p_.frame);
   std::vector<RowsOfBound> rows_of_;
@@ -222,8 +238,13 @@ class CurvesRun {
   std::vector<double> track_;            // merits since the last new mesh
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0, rooms_ = 0;
+  double finer_gain_ = nan;    // by the derivatives on the finer mesh
+  double gained_ = 0;          // by the last restart
+  double tail_ = 0;            // fall in ten steps, as it was when the steps ended before they stood still
+  int tries_ = 0;              // restarts
   Point x_;                    // the present one
   std::optional<Point> best_;  // of those that keep all bounds
+  std::vector<Point> near_;    // those on the present mesh that keep all bounds and come near the best of them
   MatrixXd B_;
   VectorXd multiplier_;               // of area and bounds
   VectorXd dearest_;                  // the largest that each has been
@@ -408,10 +429,10 @@ Clearances CurvesRun::clearances(double reach) const {
           .fine = wide_ && thin < infinity ? std::min(0.5 * size_, fine * thin) : 0};
 }
 
-// c(x) + c'(x) step <= 0 for area and bounds. Distances that could come within their limits in a step of both sides,
-// two radii, are among the geometry.
-Linearized CurvesRun::linearized(const Point& x) const {
-  const LinearRows geometry = clearance_rows(x.curves, p_.frame, solid_, clearances(2 * radius_));
+// c(x) + c'(x) step <= 0 for area and bounds. Distances that could come within their limits where both sides of them
+// move, by `reach` together, are among the geometry.
+Linearized CurvesRun::linearized(const Point& x, double reach) const {
+  const LinearRows geometry = clearance_rows(x.curves, p_.frame, solid_, clearances(reach));
   const Eigen::Index front = first_bound() + x.bound.size(), n = x.curves.variables;
   Linearized l{MatrixXd(front + Eigen::Index(geometry.row.size()), n),
                VectorXd(front + Eigen::Index(geometry.row.size()))};
@@ -437,7 +458,7 @@ Linearized CurvesRun::linearized(const Point& x) const {
 void CurvesRun::weigh(Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
   const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
-  const Linearized all = linearized(x);
+  const Linearized all = linearized(x, 2 * radius_);
   const Eigen::Index front = first_bound() + x.bound.size();
   std::vector<Eigen::Index> active;
   for (Eigen::Index k = 0; k < all.room.size(); ++k) {
@@ -478,20 +499,34 @@ double CurvesRun::predicted(const Point& x, const VectorXd& step) const {
   return fall;
 }
 
-// Multipliers and penalties begin at 0 with it.
-void CurvesRun::begin_curvature(const Point& x) {
+/// The second derivative of the Lagrangian as far as it is known of elastic bodies [theory: K.4].
+MatrixXd CurvesRun::guess(const Point& x) const {
   const NormalMoves moves = normal_moves(x.curves);
   // Without a price, what the derivative itself is worth.
   const Eigen::LLT<MatrixXd> M = cholesky(mass(moves, x.curves));
   const VectorXd g = gradient(x);
   // The root mean square of dJ/dn over the chains.
   const double rate = std::sqrt(g.dot(kerf::solve(M, g)) / moves.length);
-  B_ = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
-  steady(B_, angles_of(x.curves), 1e-9);
+  MatrixXd B = std::max(x.price, 0.3 * rate) * curvature_guess(moves, x.curves, size_);
+  steady(B, angles_of(x.curves), 1e-9);
+  return B;
+}
+
+// Multipliers and penalties begin at 0 with it.
+void CurvesRun::begin_curvature(const Point& x) {
+  B_ = guess(x);
   dearest_ = VectorXd::Zero(first_bound() + x.bound.size());
   multiplier_ = dearest_;
   for (const RowsOfBound& rows : rows_of_)
     if (rows.count > 1) dearest_.segment(first_bound() + rows.first, rows.count).setConstant(of_a_box * std::abs(x.J));
+}
+
+/// By what is learned of the second derivative and by what is known of it, the larger one [theory: K.7].
+double CurvesRun::gain(const Point& x) const {
+  const Linearized all = linearized(x, 2 * largest_step * size_);
+  double most = 0;
+  for (const MatrixXd& B : {B_, guess(x)}) most = std::max(most, model_gain(cholesky(B), gradient(x), all.A, all.room));
+  return most;
 }
 
 /// Damped BFGS of the Lagrangian [Powell 1978].
@@ -552,7 +587,7 @@ VectorXd CurvesRun::make_room(Linearized& all, const Eigen::LLT<MatrixXd>& H,
 /// The step of the quadratic model under the constraints, with no normal move beyond the radius: rows for the moves
 /// enter where they are needed.
 VectorXd CurvesRun::step_within(const Point& x, double radius) {
-  Linearized all = linearized(x);
+  Linearized all = linearized(x, 2 * radius_);
   const NormalMoves moves = normal_moves(x.curves);
   const VectorXd g = pull(x) * gradient(x);
   const Eigen::LLT<MatrixXd> H = cholesky(B_);
@@ -564,6 +599,7 @@ VectorXd CurvesRun::step_within(const Point& x, double radius) {
   }
   // Rows before `front` are area and bounds, those behind it the geometry.
   const Eigen::Index front = dearest_.size();
+  if (lenient_) all.room.tail(all.room.size() - front) = all.room.tail(all.room.size() - front).cwiseMax(0.0).eval();
   const VectorXd soft = make_room(all, H, [&](const VectorXd& step) { return overreach(x.curves, moves, step, most); });
   Linearized l{all.A.topRows(front), all.room.head(front)};
   std::vector<bool> used(std::size_t(all.room.size()), false);
@@ -614,11 +650,17 @@ bool CurvesRun::show() {
     best_ = x_;
     best_->solved = nullptr;
   }
+  if (violation(x_) < feasible_violation) {
+    std::erase_if(near_,
+                  [&](const Point& x) { return x.base != x_.base || cost(x) > cost(x_) + near_best * std::abs(x_.J); });
+    near_.push_back(x_);
+    near_.back().solved = nullptr;
+  }
   const std::shared_ptr<const Evaluated> solved = std::exchange(x_.solved, nullptr);
   if (!see_ || !solved) return true;
   const SolvedCase& c = solved->cases.front();
   if (see_({out_.rows, solved->shape, c.model, c.state})) return true;
-  out_.why = "stopped as asked";
+  end_with(CurvesEnding::Stopped, "stopped as asked");
   stopped_ = true;
   return false;
 }
@@ -659,7 +701,7 @@ VectorXd CurvesRun::step_to_shape() {
 bool CurvesRun::iterate() {
   while (true) {
     if (evaluations_ >= how_.evaluations) {
-      out_.why = fmt::format("all {} evaluations are used", how_.evaluations);
+      end_with(CurvesEnding::Evaluations, fmt::format("all {} evaluations are used", how_.evaluations));
       return false;
     }
     const VectorXd step = step_to_shape();
@@ -674,7 +716,9 @@ bool CurvesRun::iterate() {
         dearest_ = dearest;
         continue;
       }
-      out_.why = fmt::format("no step promises more than {:.1g} of J", too_little);
+      // Making up for a clearance may cost J, which no merit gives back: once more without it.
+      if (!std::exchange(lenient_, true)) continue;
+      end_with(CurvesEnding::NoStep, fmt::format("no step promises more than {:.1g} of J", too_little));
       return false;
     }
     const DesignCurves next = moved(x_.curves, step);
@@ -696,7 +740,7 @@ bool CurvesRun::iterate() {
       // Less than the refused step used, which may have been less than the radius.
       radius_ *= 0.4 * reach_;
       if (radius_ < (stressed_ ? least_stress_step : least_step) * size_) {
-        out_.why = "no better design within a step of " + fmt::format("{:.2g}", 2.5 * radius_);
+        end_with(CurvesEnding::NoStep, fmt::format("no better design within a step of {:.2g}", 2.5 * radius_));
         return false;
       }
       continue;
@@ -705,7 +749,7 @@ bool CurvesRun::iterate() {
     if (ratio > 0.7 && reach_ > 0.6) radius_ = std::min(2 * radius_, largest_step * size_);
     if (ratio < 0.25 && noise == 0) radius_ = std::max(0.5 * reach_ * radius_, least_step * size_);
     x_ = std::move(*y);
-    forgotten_ = false;
+    forgotten_ = lenient_ = false;
     return show() && space_anew();
   }
 }
@@ -717,7 +761,7 @@ void CurvesRun::come_back(Point& x) const {
   for (int k = 0; k < most; ++k) {
     const double before = overhang(x.curves, p_.frame, solid_, size_);
     if (before <= outside * size_) return;
-    const Linearized all = linearized(x);
+    const Linearized all = linearized(x, 2 * radius_);
     const NormalMoves moves = normal_moves(x.curves);
     MatrixXd stiff = curvature_guess(moves, x.curves, size_);
     steady(stiff, angles_of(x.curves), 1e-9);
@@ -830,19 +874,30 @@ void CurvesRun::descend(int& meshes) {
     const double enough = x_.fresh || no_gain ? how_.residual : 0.5 * how_.residual;
     if (x_.residual <= enough && violation(x_) < feasible_violation) {
       if (x_.fresh) {
-        out_.why = fmt::format("the shape residual is {:.2g}", x_.residual);
+        end_with(CurvesEnding::AtResidual, fmt::format("the shape residual is {:.2g}", x_.residual));
         return;
       }
-      if (meshes++ == most_meshes_at_end) return;
+      if (meshes++ == most_meshes_at_end)
+        return end_with(CurvesEnding::StandsStill, "meshes of their own do not agree that the shape residual is small");
       go_on = remesh(x_.curves, own_mesh);
       continue;
     }
     if (no_gain) {
-      out_.why = fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window);
+      end_with(CurvesEnding::StandsStill, fmt::format("J fell by less than {:.1g} of it in {} steps", slow, window));
       return;
     }
     go_on = iterate();
   }
+}
+
+/// Of the designs on this mesh that come near the best of them the one of least residual.
+void CurvesRun::keep_calmest() {
+  if (out_.ended == CurvesEnding::AtResidual || stressed_) return;
+  const double most = merit(x_) + near_best * std::abs(x_.J);
+  const Point* least = &x_;
+  for (const Point& x : near_)
+    if (x.base == x_.base && merit(x) <= most && x.residual < least->residual) least = &x;
+  if (least != &x_) x_ = Point(*least);
 }
 
 /// The design with which the steps end, on a mesh of its own: the best that keeps the bounds, within the frame.
@@ -850,6 +905,8 @@ void CurvesRun::end_inside() {
   if (best_ && violation(x_) >= feasible_violation) {
     x_ = *best_;
     x_.fresh = false;
+  } else {
+    keep_calmest();
   }
   come_back(x_);
   if (wide_) widen(x_);
@@ -859,6 +916,7 @@ void CurvesRun::end_inside() {
 /// The residual where the mesh of the steps has no say: steps come to like what it gets wrong.
 void CurvesRun::look_closer() try {
   out_.finer.reset();
+  finer_gain_ = nan;
   const Problem finer = finer_problem(p_);
   const CurveMesh follows = curve_mesh(x_.curves, finer.sizing);
   Point y{.curves = x_.curves};
@@ -869,6 +927,8 @@ void CurvesRun::look_closer() try {
   y.area = area_of(y.curves, &y.by_area);
   solves_ = before;
   weigh(y);
+  y.bound = x_.bound;  // room that another mesh sees in bounds is no gain
+  finer_gain_ = gain(y);
   if (is_judged_on_curves(finer, y.solved->shape)) out_.finer = solve_finer(p_, asked_, *y.solved, whole_);
   if (!out_.finer || !out_.finer->failure.empty()) out_.finer = finer_design(finer, asked_, *y.solved, whole_);
   out_.finer->residual = y.residual;
@@ -946,12 +1006,20 @@ bool CurvesRun::follow_stresses() {
   return true;
 }
 
+/// What ten steps like the last ones would gain; 0 where the steps have come to an end by themselves.
+double CurvesRun::fall_of_ten() const {
+  if (out_.ended == CurvesEnding::AtResidual || out_.ended == CurvesEnding::StandsStill || track_.size() < 2) return 0;
+  const std::size_t steps = std::min(window, track_.size() - 1);
+  return double(window) / double(steps) * std::max(0.0, *(track_.end() - 1 - std::ptrdiff_t(steps)) - track_.back());
+}
+
 /// Steps to the end within the frame.
 void CurvesRun::settle() {
   int meshes = 0;
   while (true) {
     descend(meshes);
     if (stopped_) return;
+    tail_ = fall_of_ten();
     const double before = merit(x_);
     end_inside();
     // The way back into the frame may have cost something, or a mesh of its own says that a bound is violated: on.
@@ -993,10 +1061,73 @@ bool CurvesRun::leave_room() {
   return true;
 }
 
+/// The curves after a step of random numbers, the same in every run, without a change of area.
+DesignCurves CurvesRun::shaken() const {
+  constexpr double far = 0.2, turn = 0.06;  // mesh sizes; radians
+  constexpr int most = 12;
+  std::mt19937 random{unsigned(tries_)};  // its bits are fixed by the standard
+  const std::vector<bool> turns = angles_of(x_.curves);
+  for (double part = 1, k = 0; k < most; ++k, part *= 0.7) {
+    VectorXd step(x_.curves.variables);
+    for (Eigen::Index i = 0; i < step.size(); ++i)
+      step[i] = part * (turns[std::size_t(i)] ? turn : far * size_) * (double(random()) / double(random.max()) * 2 - 1);
+    DesignCurves d = moved(x_.curves, step);
+    if ((!bounded_ || offset_to_area(d, x_.area)) && is_design(d)) return d;
+  }
+  return x_.curves;
+}
+
+/// Steps once more from the end, shaken and without what was learned: where they stand still, meshes and what was
+/// learned may have ended them. The finer mesh says which end is better, since two meshes of this size differ by more.
+/// Whether to try once more.
+bool CurvesRun::try_again() {
+  constexpr double worth = 5e-4;  // of J
+  constexpr int enough = 15;      // evaluations
+  const bool stood = out_.ended == CurvesEnding::StandsStill || out_.ended == CurvesEnding::NoStep;
+  if (stopped_ || stressed_ || !stood || !out_.finer) return false;
+  if (evaluations_ + enough > how_.evaluations) {
+    if (gained_ > worth * std::abs(x_.J))
+      end_with(CurvesEnding::Evaluations,
+               fmt::format("{} of {} evaluations are used, and the last restart gained {:.2g} % of J", evaluations_,
+                           how_.evaluations, 100 * gained_ / std::abs(x_.J)));
+    return false;
+  }
+  const auto cost = [&] { return out_.finer->objective + r_.volume_penalty * x_.area; };
+  const auto kept = [&] { return out_.finer && out_.finer->violation < feasible_violation; };
+  if (!kept()) return false;
+  const Point end = x_;
+  const FinerDesign finer = *out_.finer;
+  const double before = cost(), gain = finer_gain_, tail = tail_;
+  const CurvesEnding ended = out_.ended;
+  const std::string why = out_.why;
+  const VectorXd dearest = dearest_;
+  const MatrixXd B = B_;
+  ++tries_;
+  best_.reset();
+  least_residual_ = infinity;
+  radius_ = first_step * size_;
+  share_.assign(share_.size(), 1.0);
+  if (!remesh(shaken(), "once more, shaken")) return false;
+  begin_curvature(x_);
+  dearest_ = dearest;
+  settle();
+  if (stopped_) return false;
+  look_closer();
+  gained_ = kept() ? std::max(0.0, before - cost()) : 0;
+  if (gained_ > 0) return gained_ > worth * std::abs(x_.J);
+  x_ = end;
+  B_ = B;
+  out_.finer = finer;
+  finer_gain_ = gain;
+  tail_ = tail;
+  end_with(ended, why);
+  return false;
+}
+
 // The fit is brought into the frame before anything is solved, and evaluated on a mesh of its own.
-FinishedCurves CurvesRun::run() {
+FinishedCurves CurvesRun::run(const DesignCurves* from) {
   std::string failure;
-  DesignCurves start = fitted_curves(p_, r_, carved_, how_, out_.notes);
+  DesignCurves start = from ? *from : fitted_curves(p_, r_, carved_, how_, out_.notes);
   start.follow_arcs = stressed_;
   Point inside{.curves = start};
   inside.area = area_of(start, &inside.by_area);
@@ -1021,12 +1152,17 @@ FinishedCurves CurvesRun::run() {
     if (!(stressed_ ? follow_stresses() : leave_room())) break;
     settle();
   }
+  while (try_again()) continue;
   if (kept_ && !(out_.finer && out_.finer->violation < feasible_violation && x_.J <= kept_->J))
     x_ = std::move(*kept_), out_.finer = kept_finer_, full_ = kept_full_;
   if (stressed_ && std::isfinite(full_))
     out_.notes.push_back(fmt::format(
         "on {:.2g} of the free boundary the stress is within 10 % of its bound, as a finer mesh has it", full_));
+  if (!stressed_ && std::isfinite(finer_gain_))
+    out_.gain =
+        std::max(gain_safety * std::max(finer_gain_, gain(x_)), gained_) + std::max(slow * std::abs(x_.J), tail_);
   out_.shape = shape_of(x_.curves);
+  out_.curves = std::make_shared<const DesignCurves>(x_.curves);
   out_.crack_of = carved_.crack_of;
   out_.J = x_.J;
   out_.area = x_.area;
@@ -1062,7 +1198,13 @@ FinishedCurves finish_curves(const Problem& p, const OptimizeRequest& r, const C
     out.notes.push_back(out.why);
     return out;
   }
-  return CurvesRun(p, r, carved, how, see, known).run();
+  return CurvesRun(p, r, carved, how, see, known).run(nullptr);
+}
+
+FinishedCurves continue_curves(const Problem& p, const OptimizeRequest& r, const Carved& carved,
+                               const DesignCurves& start, const CurvesRequest& how, const CurvesObserver& see,
+                               const std::vector<CurvesRow>& known) {
+  return CurvesRun(p, r, carved, how, see, known).run(&start);
 }
 
 }  // namespace kerf

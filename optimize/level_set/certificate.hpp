@@ -24,6 +24,13 @@ HoleMargin hole_margin(const Ground& g, const Evaluated& e, const Prices& prices
 /// Not a number under body forces, and with functionals that have a density in what is added.
 BumpMargin bump_margin(const Ground& g, const Evaluated& e, const Prices& prices);
 
+/// The hole that gains most by two terms of the expansion, of radii that fit: a third of the room to the boundary at
+/// most, as wide as gaps have to be at least [theory: L.14]. With a mirror the hole and its image.
+BestChange best_hole(const Ground& g, const Evaluated& e, const Prices& prices, const HoleMargin& holes);
+
+/// The half disc of material that gains most, on a base where every place pays [theory: L.21].
+BestChange best_bump(const Ground& g, const Evaluated& e, const Prices& prices);
+
 /// Holes really made where they would pay most, or cost least: whether T says what they bring.
 Verdict proved(const Ground& g, const Evaluated& e, const Vec2& at);
 

@@ -77,19 +77,12 @@ std::vector<double> left_to_curves(const Ground& g) {
   return share;
 }
 
-constexpr const char* no_iterations = "the iterations asked for are done";
-
 }  // namespace
 
 // What a checkpoint of this ground must fit.
 StateSizes sizes_of_state(const Ground& g) {
   return {g.background.lumped.size(), static_cast<Eigen::Index>(g.r.bounds.size()), largest_step_radius * g.size,
           largest_turn};
-}
-
-// The words of the end are the only record of it in a checkpoint.
-bool out_of_iterations(const DescentState& s) {
-  return s.ended.starts_with(no_iterations);
 }
 
 Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& start) : g_(g), rules_(std::move(rules)) {
@@ -106,7 +99,7 @@ Descent::Descent(const Ground& g, DescentRules rules, const Eigen::VectorXd& sta
 Descent::Descent(const Ground& g, DescentRules rules, DescentState progress)
     : g_(g), rules_(std::move(rules)), s_(std::move(progress)) {
   if (rules_.tight.empty()) rules_.tight = left_to_curves(g);
-  if (out_of_iterations(s_) && s_.iteration < rules_.iterations) s_.ended.clear();
+  if (s_.spent && s_.iteration < rules_.iterations) s_.ended.clear(), s_.spent = false;
   const auto drawn = [&](const Eigen::VectorXd& phi) {
     return phi.size() == 0 ? nullptr : draw(g_, phi, {}, rules_.coarse).design;
   };
@@ -690,7 +683,8 @@ bool Descent::advance() {
       s_.best = s_.anchor;
       best_ = anchored_;
     }
-    s_.ended = fmt::format("{} ({})", no_iterations, rules_.iterations);
+    s_.ended = fmt::format("the iterations asked for are done ({})", rules_.iterations);
+    s_.spent = true;
     if (best_ && (best_ != design_ || !s_.rows.back().accepted)) go_back(s_.best, "the best design");
     return false;
   }

@@ -24,9 +24,6 @@ struct DescentRules {
 /// What the state of a descent on that ground has to fit.
 StateSizes sizes_of_state(const Ground& g);
 
-/// Whether that is why it ended.
-bool out_of_iterations(const DescentState& s);
-
 class Descent {
  public:
   /// From a function on the canvas. Throws Error(Geometry | Numerics) where its design cannot be drawn or solved.

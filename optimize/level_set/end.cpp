@@ -31,6 +31,8 @@ void weigh_changes(const Ground& g, const Evaluated& e, OptimizeResult& result, 
   HoleMargin& holes = result.holes;
   holes = hole_margin(g, e, prices);
   result.bumps = bump_margin(g, e, prices);
+  end.gain.hole = best_hole(g, e, prices, holes);
+  end.gain.bump = best_bump(g, e, prices);
   const BumpMargin& bumps = result.bumps;
   const auto place = [](const Vec2& x) { return fmt::format("({:.4g}, {:.4g})", x.x(), x.y()); };
   if (std::isfinite(bumps.least)) {
@@ -80,7 +82,8 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
   // What the level set ended with is no longer true of its curves.
   const std::string of_curves_why = end.curves.why.empty() ? "" : "curves: " + end.curves.why;
   out.why = end.last ? of_curves_why : join({s.ended, of_curves_why});
-  out.budget_used = !go_on || out_of_iterations(s);
+  // An internal limit of evaluations that ends the curves is a budget as well.
+  out.budget_used = !go_on || s.spent || (end.last && end.curves.ended == CurvesEnding::Evaluations);
   if (!go_on) {
     out.why = out.obstacle = "stopped as asked";
   } else if (end.g.weak()) {
@@ -89,7 +92,9 @@ LoopEnd loop_end(const LevelSetEnd& end, const Evaluated& design, bool go_on, Op
     out.obstacle = "with a weak phase instead of void nothing is proved of the body alone";
   } else {
     weigh_changes(end.g, design, result, out);
-    if (end.last) weigh_residual(end.curves.finer ? end.curves.finer->residual : nan, out);
+    if (!end.last) return out;
+    weigh_residual(end.curves.finer ? end.curves.finer->residual : nan, out);
+    out.gain.shape = end.curves.gain / std::abs(design.J + end.g.r.volume_penalty * design.area);
   }
   return out;
 }

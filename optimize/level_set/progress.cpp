@@ -31,7 +31,7 @@ constexpr std::array<std::pair<const char*, KeptDesign DescentState::*>, 2> desi
 template <typename State>
 auto scalars(State& s) {
   return std::tie(s.iteration, s.solves, s.allowed, s.radius, s.turn, s.price, s.since, s.trials, s.settled, s.next,
-                  s.explore, s.residual);
+                  s.explore, s.residual, s.spent);
 }
 template <typename Design>
 auto scalars_of(Design& d) {

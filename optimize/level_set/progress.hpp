@@ -38,6 +38,7 @@ struct DescentState {
   std::string why;                 // of it, in words
   std::vector<double> track;       // merit of the best after every step at the final area
   std::string ended;               // why the loop is over; empty while it is not
+  bool spent = false;              // that is because the iterations asked for are done
   std::vector<std::string> drawn;  // what carving the present design said
   std::vector<Iteration> rows;
   std::vector<NucleatedHole> nucleated;

@@ -1,10 +1,11 @@
 // The end of an optimization: the design on a mesh of half the size with an element of one degree more and curved
-// edges, the word for it (optimal, stalled, budget used, infeasible) and why. Bounds on release rates and squared
-// stresses are judged by the upper end of their interval there, where that is guaranteed, else by the larger of it and
-// the value (docs/theory/guarantees.md, "What is guaranteed of an optimised design"). "Optimal" needs the residual
-// asked for, no obstacle and a finer design that keeps its constraints to 1e-3. Where the finer mesh finds a bound
-// violated, `with_more_room` tells how much less the loop's own mesh may use, in proportion to what the two meshes say
-// of the design.
+// edges, the word for it (optimal, optimal within p %, stalled, budget used, infeasible) and why. Bounds on release
+// rates and squared stresses are judged by the upper end of their interval there, where that is guaranteed, else by the
+// larger of it and the value (docs/theory/guarantees.md, "What is guaranteed of an optimised design"). "Optimal" needs
+// the residual asked for, no obstacle and a finer design that keeps its constraints to 1e-3; "optimal within p %"
+// instead of the first two bounds of what is left to gain that sum to at most the tolerance. Where the finer mesh finds
+// a bound violated, `with_more_room` tells how much less the loop's own mesh may use, in proportion to what the two
+// meshes say of the design.
 
 #include "optimize/loop/finish.hpp"
 
@@ -196,6 +197,38 @@ std::string above_start(const OptimizeResult& result, const OptimizeRequest& r, 
 
 }  // namespace
 
+namespace {
+
+/// Of J, rounded up to two digits, at least a thousandth: "0.054 %".
+std::string percent(double share) {
+  const double value = std::max(100 * share, 1e-3), unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return fmt::format("{:.2g} %", std::ceil(value / unit * (1 - 1e-12)) * unit);
+}
+
+/// "0.054 % of J could still be gained: by moving the boundary 0.054 %, by a hole of radius 0.02 at (1, 2) 0.001 %".
+std::string in_words(const GainLeft& gain) {
+  if (!std::isfinite(gain.sum())) return {};
+  std::string words = "at most " + percent(gain.sum()) + " of J could still be gained";
+  const auto by = [&](const BestChange& change, const char* what) {
+    if (change.gain > 0)
+      words += fmt::format(", {} by a {} of radius {:.3g} at ({:.4g}, {:.4g})", percent(change.gain), what,
+                           change.radius, change.at.x(), change.at.y());
+  };
+  if (gain.hole.gain > 0 || gain.bump.gain > 0)
+    words += fmt::format(": {} by moving the boundary", percent(gain.shape));
+  by(gain.hole, "hole");
+  by(gain.bump, "bump");
+  return words;
+}
+
+}  // namespace
+
+std::string verdict_of(const OptimizeResult& result) {
+  const std::string_view of = word(result.ending);
+  return result.ending == Ending::OptimalWithin ? fmt::format("{} {}", of, percent(result.gain.sum()))
+                                                : std::string(of);
+}
+
 void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end) {
   const Iteration& row = end.row;
   const FinerDesign& finer = result.finer;
@@ -208,18 +241,23 @@ void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end)
   const std::string residual = std::isfinite(end.residual) ? fmt::format("{} {:.2g}", end.kind, end.residual) : "";
   result.feasible = here.empty() && there.empty() && !(row.violation > end.allowed) &&
                     std::ranges::none_of(result.constraints, is_broken);
+  result.gain = end.gain;
+  const std::string left = in_words(end.gain);
+  const bool sound = conflict.empty() && finer.failure.empty();
   std::vector<std::string> words;
   if (!result.feasible) {
     result.ending = Ending::Infeasible;
     words = {here, here.empty() && !there.empty() ? there + " " + in_words(finer) : "",
              conflicts(result.constraints, true), end.why};
-  } else if (end.residual <= end.asked && end.obstacle.empty() && conflict.empty() && finer.failure.empty()) {
-    result.ending = Ending::Optimal;
-    words = {residual, end.evidence, kept_there(r, finer)};
+  } else if (const bool optimal = end.residual <= end.asked && end.obstacle.empty();
+             sound && (optimal || end.gain.sum() <= r.tolerance)) {
+    result.ending = optimal ? Ending::Optimal : Ending::OptimalWithin;
+    words = {optimal ? "" : left, residual, end.evidence, end.obstacle, kept_there(r, finer), optimal ? left : ""};
     if (finer.size > 0) words.push_back(fmt::format("objective {:.6g} {}", finer.objective, in_words(finer)));
   } else {
     result.ending = end.budget_used ? Ending::BudgetUsed : Ending::Stalled;
     words = {end.why};
+    if (!left.empty()) words.push_back(fmt::format("{}, the tolerance is {}", left, percent(r.tolerance)));
     if (!(end.residual <= end.asked))
       words.push_back(residual.empty() ? "nothing tells how far it is from an optimum"
                                        : fmt::format("{}, an optimum has at most {:.2g}", residual, end.asked));
@@ -231,7 +269,7 @@ void judge(OptimizeResult& result, const OptimizeRequest& r, const LoopEnd& end)
   }
   words.push_back(above_start(result, r, row));
   result.optimality = end.residual;
-  result.stopped = fmt::format("{}: {}", word(result.ending), join(words));
+  result.stopped = fmt::format("{}: {}", verdict_of(result), join(words));
 }
 
 }  // namespace kerf

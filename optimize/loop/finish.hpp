@@ -53,6 +53,7 @@ struct LoopEnd {
   double allowed = feasible_violation;  // of the constraints on the loop's own mesh
   std::string obstacle;                 // what else speaks against "optimal", in words; empty: nothing
   std::string evidence;                 // what else speaks for it
+  GainLeft gain = {};                   // what is left of J
   const Shape* frame = nullptr;         // of a level set; its constraints are measured against it
 };
 

@@ -127,6 +127,11 @@ std::string certificate(const Result& r) {
     facts.add("small bumps",
               fmt::format("(price − worth) / price is least, {}, at {}{}", pretty(o.bumps.least, 3),
                           at_place(o.bumps.at), o.bumps.least >= 0 ? ": none pays" : ": one there pays"));
+  if (std::isfinite(o.gain.sum()))
+    facts.add("what could still be gained",
+              fmt::format("at most {} % of J: boundary {} %, best hole {} %, best bump {} %",
+                          pretty(100 * o.gain.sum(), 2), pretty(100 * o.gain.shape, 2),
+                          pretty(100 * o.gain.hole.gain, 2), pretty(100 * o.gain.bump.gain, 2)));
   if (o.finer.size > 0) {
     facts.add("on a finer mesh", o.finer.failure.empty()
                                      ? fmt::format("objective {}, volume fraction {}, largest violation {}",

@@ -77,10 +77,11 @@ std::string of_validation(const ValidationResult& validation) {
 
 std::string of_optimization(const OptimizeResult& o) {
   std::string why = o.stopped;
-  const std::string said(word(o.ending));
+  const std::string said = verdict_of(o);
   if (why.starts_with(said + ": ")) why = why.substr(said.size() + 2);
   const bool bad = o.ending == Ending::Infeasible || o.ending == Ending::Unexplained;
-  const Mood mood = o.ending == Ending::Optimal ? Mood::Good : bad ? Mood::Bad : Mood::Warn;
+  const bool good = o.ending == Ending::Optimal || o.ending == Ending::OptimalWithin;
+  const Mood mood = good ? Mood::Good : bad ? Mood::Bad : Mood::Warn;
   return line("optimization", mood, said, why);
 }
 

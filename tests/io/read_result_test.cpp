@@ -195,6 +195,26 @@ TEST(ReadResult, WhatIsReadIsWrittenToTheSameBytes) {
   EXPECT_EQ(unit(read.units, per_area(*read.functional_dimension)), "MPa");
 }
 
+TEST(ReadResult, WhatIsLeftToGain) {
+  Result r = everything();
+  r.optimize->method = OptimizeMethod::LevelSet;
+  r.optimize->ending = Ending::OptimalWithin;
+  r.optimize->gain = {4e-4, {1e-4, {1, 2}, 0.05}, {}};
+  const Folder folder;
+  write(folder.path, r);
+  const std::string json = read_file(folder.path / "result.json");
+  EXPECT_NE(json.find("\"optimal within 0.05 %\""), std::string::npos) << json;
+  EXPECT_NE(json.find("\"best_hole\""), std::string::npos);
+  const std::filesystem::path again = folder.path / "again";
+  std::filesystem::create_directory(again);
+  const Result read = read_result(folder.path);
+  EXPECT_EQ(read.optimize->ending, Ending::OptimalWithin);
+  EXPECT_EQ(read.optimize->gain.hole.radius, 0.05);
+  EXPECT_TRUE(std::isnan(read.optimize->gain.bump.gain));
+  write(again, read);
+  EXPECT_EQ(read_file(again / "result.json"), json);
+}
+
 TEST(ReadResult, ASolverInSinglePrecision) {
   Result r = everything();
   r.solver = SolverResult{.parts = 1, .solves = 3, .iterations = 5};

@@ -98,6 +98,50 @@ TEST(Certificate, ABoundThatBindsHasAPrice) {
   }
 }
 
+// What is promised of the best hole comes true when it is made; where none pays, nothing is promised.
+TEST(Certificate, TheBestHoleGainsWhatItPromises) {
+  Problem p = canvas();
+  p.sizing.size = 0.05;
+  const OptimizeRequest r = limited(0.4);
+  const Ground g = make_ground(p, r);
+  const Evaluated e = evaluate_design(p, r, tie(p), {});
+  Prices prices = prices_of(g, e);
+  EXPECT_EQ(best_hole(g, e, prices, hole_margin(g, e, prices)).gain, 0);
+  prices.area = 4 * density;  // a hole costs three times what a side does
+  const BestChange best = best_hole(g, e, prices, hole_margin(g, e, prices));
+  ASSERT_GT(best.gain, 0);
+  EXPECT_NEAR(best.at.y(), 0.5, 0.03);
+  EXPECT_LE(best.radius, 0.2 / 3);
+  Shape with = tie(p);
+  with.holes.push_back(circle("hole", best.at, best.radius, 3));
+  Problem fine = p;
+  fine.sizing.size = 0.02;
+  const double before = evaluate_design(fine, r, tie(p), {}).J, after = evaluate_design(fine, r, with, {}).J,
+               gained = prices.area * pi * best.radius * best.radius - (after - before);
+  EXPECT_NEAR(best.gain * std::abs(e.J), gained, 0.05 * gained);
+  // A gap that is asked for leaves no room.
+  OptimizeRequest wide = r;
+  wide.level_set.min_gap = 0.2;
+  const Ground narrow = make_ground(p, wide);
+  EXPECT_EQ(best_hole(narrow, e, prices, hole_margin(narrow, e, prices)).gain, 0);
+}
+
+// A half disc is worth what a layer of its area is, times the share of it [theory: L.13].
+TEST(Certificate, BumpsGainWhereMaterialIsCheap) {
+  const Problem p = canvas();
+  const OptimizeRequest r = limited(0.4);
+  const Ground g = make_ground(p, r);
+  const Evaluated e = evaluate_design(p, r, tie(p), {});
+  Prices prices = prices_of(g, e);
+  EXPECT_EQ(best_bump(g, e, prices).gain, 0);
+  prices.area = 0.5 * bump_share * density;
+  const BestChange best = best_bump(g, e, prices);
+  EXPECT_NEAR(best.gain * std::abs(e.J), 0.25 * pi * best.radius * best.radius * bump_share * density, 1e-6);
+  // In the middle of a side, as wide as the side.
+  EXPECT_NEAR(best.at.x(), 1, 0.1);
+  EXPECT_NEAR(best.radius, 1, 0.1);
+}
+
 TEST(Certificate, NoBumpsUnderBodyForcesAndOfDensities) {
   Problem p = canvas();
   const OptimizeRequest r = limited(0.4);

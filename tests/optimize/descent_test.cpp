@@ -131,7 +131,7 @@ TEST(Descent, OutOfIterationsTheBestDesignIsTaken) {
     Descent d(large.g, {.iterations = 20}, s);
     EXPECT_FALSE(d.advance());
     EXPECT_EQ(d.progress().ended, "the iterations asked for are done (20)");
-    EXPECT_TRUE(out_of_iterations(d.progress()));
+    EXPECT_TRUE(d.progress().spent);
     EXPECT_EQ(d.progress().phi, pays ? after.phi : before.phi);
     EXPECT_FALSE(d.advance());
     // With more of them it goes on.

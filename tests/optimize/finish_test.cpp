@@ -34,6 +34,7 @@ struct Given {
   bool budget_used = false;
   std::string obstacle, evidence;
   double violation = 0;
+  GainLeft gain = {};
 };
 OptimizeResult judged(const OptimizeRequest& r, FinerDesign finer, const Given& g) {
   OptimizeResult result{.finer = std::move(finer)};
@@ -46,9 +47,10 @@ OptimizeResult judged(const OptimizeRequest& r, FinerDesign finer, const Given& 
          .why = "done",
          .budget_used = g.budget_used,
          .obstacle = g.obstacle,
-         .evidence = g.evidence});
+         .evidence = g.evidence,
+         .gain = g.gain});
   EXPECT_EQ(result.feasible, result.ending != Ending::Infeasible);
-  EXPECT_EQ(result.stopped.rfind(std::string(word(result.ending)) + ": ", 0), 0u) << result.stopped;
+  EXPECT_EQ(result.stopped.rfind(verdict_of(result) + ": ", 0), 0u) << result.stopped;
   return result;
 }
 std::string words(const OptimizeResult& r) {
@@ -105,6 +107,43 @@ TEST(Judge, TheRestIsStalledOrOutOfBudget) {
   FinerDesign failed{.size = 0.1, .failure = "no mesh"};
   EXPECT_EQ(words(judged(asked(1), failed, {})),
             "stalled: done; the design cannot be solved on a mesh of size 0.1 with bdms 1: no mesh");
+}
+
+TEST(Judge, LittleLeftToGainIsOptimalWithinIt) {
+  const auto left = [](double shape, double hole, double bump) {
+    return GainLeft{shape, {hole, {1, 2}, 0.05}, {bump, {3, 4}, 0.02}};
+  };
+  OptimizeRequest r = asked(1);
+  r.tolerance = 1e-3;
+  const std::string there = "; objective 2 on a mesh of size 0.1 with bdms 1";
+  // Rounded up to two digits.
+  EXPECT_EQ(words(judged(r, kept(1), {.residual = 0.2, .gain = left(5.41e-4, 0, nan)})),
+            "optimal within 0.055 %: at most 0.055 % of J could still be gained; KKT residual 0.2" + there);
+  EXPECT_EQ(
+      words(judged(r, kept(1), {.obstacle = "a hole pays", .gain = left(4e-4, 1e-4, 2e-4)})),
+      "optimal within 0.07 %: at most 0.07 % of J could still be gained: 0.04 % by moving the boundary, 0.01 % by "
+      "a hole of radius 0.05 at (1, 2), 0.02 % by a bump of radius 0.02 at (3, 4); KKT residual 0.0001; a hole "
+      "pays" +
+          there);
+  EXPECT_EQ(verdict_of(judged(r, kept(1), {.residual = 0.2, .budget_used = true, .gain = left(0, 0, 0)})),
+            "optimal within 0.001 %");
+  // Where the conditions hold it is optimal, whatever a bound says.
+  EXPECT_EQ(words(judged(r, kept(1), {.gain = left(5e-4, 0, 0)})),
+            "optimal: KKT residual 0.0001; at most 0.05 % of J could still be gained" + there);
+  // More than the tolerance, or unknown.
+  EXPECT_EQ(
+      words(judged(r, kept(1), {.residual = 0.2, .gain = left(9e-4, 2e-4, 0)})),
+      "stalled: done; at most 0.11 % of J could still be gained: 0.09 % by moving the boundary, 0.02 % by a hole of "
+      "radius 0.05 at (1, 2), the tolerance is 0.1 %; KKT residual 0.2, an optimum has at most 0.001");
+  EXPECT_EQ(judged(r, kept(1), {.residual = 0.2, .gain = left(nan, 0, 0)}).ending, Ending::Stalled);
+  EXPECT_EQ(judged(r, kept(1), {.residual = 0.2, .gain = left(1e-4, nan, 0)}).ending, Ending::Stalled);
+  r.tolerance = 2e-3;
+  EXPECT_EQ(judged(r, kept(1), {.residual = 0.2, .gain = left(9e-4, 2e-4, 0)}).ending, Ending::OptimalWithin);
+  // What is violated, here or on the finer mesh, or cannot be solved there, takes it away.
+  EXPECT_EQ(judged(r, kept(1), {.fraction = 0.51, .gain = left(0, 0, 0)}).ending, Ending::Infeasible);
+  EXPECT_EQ(judged(r, kept(1.01), {.residual = 0.2, .gain = left(0, 0, 0)}).ending, Ending::Infeasible);
+  FinerDesign failed{.size = 0.1, .failure = "no mesh"};
+  EXPECT_EQ(judged(r, failed, {.residual = 0.2, .gain = left(0, 0, 0)}).ending, Ending::Stalled);
 }
 
 TEST(Judge, TheFinerMeshHasHalfTheSize) {
