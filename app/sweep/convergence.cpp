@@ -2,7 +2,8 @@
 // q(h) = q + c h^p the differences of neighbors have the ratio 2^p, so that p = log2((q1 - q2)/(q2 - q3)) and
 // q = q3 + (q3 - q2)/(2^p - 1) [Richardson 1911]. Where differences change sign, or fall slower than the slowest
 // singularity of elasticity makes them (p = 1/2), they follow no such law: there is no limit, and the error is the
-// larger of them. Faster than p = 4 they fall by chance: then the error is that of p = 4. Beside it stands the margin that the finest run says of itself.
+// larger of them. Faster than p = 4 they fall by chance: then the error is that of p = 4. Beside it stands the margin
+// that the finest run says of itself.
 
 #include "app/sweep/convergence.hpp"
 
@@ -51,7 +52,7 @@ std::string six_or_dash(double value) {
 }  // namespace
 
 void extrapolate(Convergence& c) {
-  constexpr double digits = 1e-12;  // of the value: differences below are rounding
+  constexpr double digits = 1e-12;                 // of the value: differences below are rounding
   constexpr double slowest = 1.414, fastest = 16;  // ratios of differences
   const double first = c.value[0] - c.value[1], second = c.value[1] - c.value[2], ratio = first / second;
   if (std::abs(second) <= digits * std::abs(c.value[2])) {
@@ -130,7 +131,8 @@ std::string convergence_table(const std::vector<Convergence>& all) {
       "<h2>Convergence</h2>\n<p>Three meshes, each of half the size of the one before. Order and limit are "
       "Richardson's: "
       "q = limit + c h<sup>order</sup>. Where the differences do not fall, or slower than h<sup>1/2</sup>, there is no "
-      "limit, and the error is the larger of them. Margin: what the finest run says of itself.</p>\n<div class=\"wide\"><table>\n<tr><th>quantity</th>"
+      "limit, and the error is the larger of them. Margin: what the finest run says of itself.</p>\n<div "
+      "class=\"wide\"><table>\n<tr><th>quantity</th>"
       "<th>{:.4g}</th><th>{:.4g}</th><th>{:.4g}</th><th>order</th><th>limit</th><th>error of the "
       "last</th><th>margin</th>"
       "</tr>\n",

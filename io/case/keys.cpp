@@ -587,7 +587,8 @@ constexpr Key rows[] = {
     {"functional.ring",
      Pair,
      {.range = above_zero, .with = "energy_release_rate|stress_intensity"},
-     "Inner and outer radius of the ring about the tip for the integral of G or K. It must end before the next boundary, "
+     "Inner and outer radius of the ring about the tip for the integral of G or K. It must end before the next "
+     "boundary, "
      "crack or kink.",
      "[0.06, 0.2]",
      "from the crack's length and what is near"},

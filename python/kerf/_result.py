@@ -153,7 +153,13 @@ class Result:
         if name in self.__dict__.get("_designs", {}):
             return self._designs[name].__copy__()
         if not self._functions:
-            return Case(self.folder / name)
+            try:
+                return Case(self.folder / name)
+            except CaseError as error:
+                if '"function ' not in str(error):
+                    raise
+                raise CaseError(f"{self.folder / name} was made with functions of Python, of which files and copies of a "
+                                "result have the names alone; ask the result of the run itself") from error
         document = tomllib.loads((self.folder / name).read_text(encoding="utf-8"))
         return Case(put_back(document, self._functions), name=pathlib.Path(name).stem, folder=self.folder.absolute())
 

@@ -260,6 +260,8 @@ class Designs(unittest.TestCase):
         case = self.case | {"boundary": [self.case["boundary"][0], {"on": "right", "traction": lambda x, y: (0, -1)}]}
         result = kerf.Case(case).optimize()
         self.assertIs(result.design["boundary"][1]["traction"], case["boundary"][1]["traction"])
+        with self.assertRaisesRegex(kerf.CaseError, "was made with functions of Python"):
+            pickle.loads(pickle.dumps(result)).design
 
 
 class Libraries(unittest.TestCase):
