@@ -138,6 +138,7 @@ functional.kind
 functional.on
 functional.crack
 functional.tip
+functional.mode
 functional.target
 functional.direction
 functional.measured
@@ -152,6 +153,7 @@ functional.terms[0].kind
 functional.terms[0].on
 functional.terms[0].crack
 functional.terms[0].tip
+functional.terms[0].mode
 functional.terms[0].target
 functional.terms[0].direction
 functional.terms[0].measured
@@ -279,6 +281,7 @@ optimize.bound[0].kind
 optimize.bound[0].on
 optimize.bound[0].crack
 optimize.bound[0].tip
+optimize.bound[0].mode
 optimize.bound[0].target
 optimize.bound[0].direction
 optimize.bound[0].measured
@@ -293,6 +296,7 @@ optimize.bound[0].terms[0].kind
 optimize.bound[0].terms[0].on
 optimize.bound[0].terms[0].crack
 optimize.bound[0].terms[0].tip
+optimize.bound[0].terms[0].mode
 optimize.bound[0].terms[0].target
 optimize.bound[0].terms[0].direction
 optimize.bound[0].terms[0].measured
