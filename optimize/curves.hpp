@@ -19,6 +19,7 @@ struct CurvesRequest {
       0;               // least width of members, and of gaps without min_gap; 0: one size. What is thinner gets wider
   double min_gap = 0;  // where that leads to a shape of the area allowed
   int evaluations = 40;
+  int further = 0;                   // evaluations in all, while more than the tolerance of the request is left to gain
   double residual = 1e-2;            // of the shape on a mesh of its own that is good enough
   std::vector<double> at_most = {};  // of the bounds, where those of the request leave room for what a finer mesh says
 };

@@ -120,6 +120,7 @@ class CurvesRun {
     bounded_ = r.volume_at_most && *r.volume_at_most < 1;
     most_ = bounded_ ? *r.volume_at_most * whole_ : infinity;
     radius_ = first_step * size_;
+    limit_ = how.evaluations;
     solid_ = solid_loops(p, r);
     for (std::size_t k = 0; k < how.at_most.size(); ++k) asked_.bounds[k].at_most = how.at_most[k];
     for (std::size_t c = 0; c < std::max<std::size_t>(1, r.load_cases.size()); ++c)
@@ -154,6 +155,8 @@ class CurvesRun {
   bool leave_room();
   void settle();
   bool try_again();
+  void go_further();
+  double gain_left() const;
   double fall_of_ten() const;
   DesignCurves shaken() const;
   void recall(const CurvesRow& row, Point& x) const;
@@ -238,6 +241,7 @@ class CurvesRun {
   std::vector<double> track_;            // merits since the last new mesh
   std::vector<Loop> solid_;
   int evaluations_ = 0, solves_ = 0, rooms_ = 0;
+  int limit_ = 0;              // of evaluations, until the present stage ends
   double finer_gain_ = nan;    // by the derivatives on the finer mesh
   double gained_ = 0;          // by the last restart
   double tail_ = 0;            // fall in ten steps, as it was when the steps ended before they stood still
@@ -700,8 +704,8 @@ VectorXd CurvesRun::step_to_shape() {
 /// A step from x_; false: the end, `out_.why` says which.
 bool CurvesRun::iterate() {
   while (true) {
-    if (evaluations_ >= how_.evaluations) {
-      end_with(CurvesEnding::Evaluations, fmt::format("all {} evaluations are used", how_.evaluations));
+    if (evaluations_ >= limit_) {
+      end_with(CurvesEnding::Evaluations, fmt::format("all {} evaluations are used", limit_));
       return false;
     }
     const VectorXd step = step_to_shape();
@@ -736,7 +740,7 @@ bool CurvesRun::iterate() {
       if (y)
         out_.rows.back().note = fmt::format("refused: the merit would rise by {:.2g} of J", -fell / std::abs(x_.J));
       // Meshes may differ by more than the step: what the present design is worth on the new one.
-      if (y && y->rebased && evaluations_ < how_.evaluations) return remesh(x_.curves, own_mesh);
+      if (y && y->rebased && evaluations_ < limit_) return remesh(x_.curves, own_mesh);
       // Less than the refused step used, which may have been less than the radius.
       radius_ *= 0.4 * reach_;
       if (radius_ < (stressed_ ? least_stress_step : least_step) * size_) {
@@ -860,7 +864,7 @@ bool CurvesRun::space_anew() {
   if (least_residual_ < settled) return true;
   DesignCurves even = x_.curves;
   even_out(even);
-  if (pack(even) == pack(x_.curves) || evaluations_ + 1 >= how_.evaluations) return true;
+  if (pack(even) == pack(x_.curves) || evaluations_ + 1 >= limit_) return true;
   if (!offset_to_area(even, x_.area) || !is_design(even)) return true;
   return remesh(even, "knots spaced anew");
 }
@@ -1024,7 +1028,7 @@ void CurvesRun::settle() {
     end_inside();
     // The way back into the frame may have cost something, or a mesh of its own says that a bound is violated: on.
     const bool good = violation(x_) < feasible_violation && merit(x_) < before + mesh_noise * std::abs(x_.J);
-    if (good || evaluations_ >= how_.evaluations || meshes++ == most_meshes_at_end) return;
+    if (good || evaluations_ >= limit_ || meshes++ == most_meshes_at_end) return;
     best_.reset();
     radius_ = std::max(radius_, 0.1 * size_);
   }
@@ -1046,7 +1050,7 @@ void CurvesRun::tighten(const std::vector<double>& tight) {
 /// Where the finer mesh finds that bounds are violated, by what it proves of them, they allow less from now on. Whether
 /// there is a reason to go on.
 bool CurvesRun::leave_room() {
-  if (!out_.finer || rooms_ == most_rooms || evaluations_ >= how_.evaluations) return false;
+  if (!out_.finer || rooms_ == most_rooms || evaluations_ >= limit_) return false;
   std::vector<double> now;
   for (const FunctionalBound& bound : r_.bounds) now.push_back(bound.at_most);
   const std::vector<double> tight = with_more_room(*out_.finer, asked_, now, x_.bounds);
@@ -1077,21 +1081,16 @@ DesignCurves CurvesRun::shaken() const {
   return x_.curves;
 }
 
+/// What could still be gained, in units of J [theory: K.8].
+double CurvesRun::gain_left() const {
+  const double model = std::max(finer_gain_, gain(x_));
+  return std::max(gain_safety * model, gained_) + std::max(slow * std::abs(x_.J), tail_);
+}
+
 /// Steps once more from the end, shaken and without what was learned: where they stand still, meshes and what was
 /// learned may have ended them. The finer mesh says which end is better, since two meshes of this size differ by more.
-/// Whether to try once more.
+/// Whether that is the new one.
 bool CurvesRun::try_again() {
-  constexpr double worth = 5e-4;  // of J
-  constexpr int enough = 15;      // evaluations
-  const bool stood = out_.ended == CurvesEnding::StandsStill || out_.ended == CurvesEnding::NoStep;
-  if (stopped_ || stressed_ || !stood || !out_.finer) return false;
-  if (evaluations_ + enough > how_.evaluations) {
-    if (gained_ > worth * std::abs(x_.J))
-      end_with(CurvesEnding::Evaluations,
-               fmt::format("{} of {} evaluations are used, and the last restart gained {:.2g} % of J", evaluations_,
-                           how_.evaluations, 100 * gained_ / std::abs(x_.J)));
-    return false;
-  }
   const auto cost = [&] { return out_.finer->objective + r_.volume_penalty * x_.area; };
   const auto kept = [&] { return out_.finer && out_.finer->violation < feasible_violation; };
   if (!kept()) return false;
@@ -1107,14 +1106,19 @@ bool CurvesRun::try_again() {
   least_residual_ = infinity;
   radius_ = first_step * size_;
   share_.assign(share_.size(), 1.0);
-  if (!remesh(shaken(), "once more, shaken")) return false;
-  begin_curvature(x_);
-  dearest_ = dearest;
-  settle();
-  if (stopped_) return false;
-  look_closer();
-  gained_ = kept() ? std::max(0.0, before - cost()) : 0;
-  if (gained_ > 0) return gained_ > worth * std::abs(x_.J);
+  gained_ = 0;
+  try {
+    if (!remesh(shaken(), "once more, shaken")) return false;
+    begin_curvature(x_);
+    dearest_ = dearest;
+    settle();
+    if (stopped_) return false;
+    look_closer();
+    if (kept()) gained_ = std::max(0.0, before - cost());
+  } catch (const Error& error) {
+    if (!of_one_body(error)) throw;
+  }
+  if (gained_ > 0) return true;
   x_ = end;
   B_ = B;
   out_.finer = finer;
@@ -1122,6 +1126,34 @@ bool CurvesRun::try_again() {
   tail_ = tail;
   end_with(ended, why);
   return false;
+}
+
+/// From the end on until what is left to gain is within the tolerance, a restart gains nothing, or no evaluations are
+/// left: where steps stand still by a restart, which is tried once in any case, where they ran out of evaluations by
+/// more of them.
+void CurvesRun::go_further() {
+  constexpr int enough = 15, stage = 30;  // evaluations
+  constexpr double share = 0.8;           // of the tolerance: the rest is for holes and bumps
+  while (!stopped_ && !stressed_ && std::isfinite(finer_gain_) && out_.ended != CurvesEnding::AtResidual) {
+    const double left = gain_left();
+    const bool within = left <= share * r_.tolerance * std::abs(x_.J);
+    if (within && (tries_ > 0 || out_.ended == CurvesEnding::Evaluations)) return;
+    const int most = within ? how_.evaluations : std::max(how_.evaluations, how_.further);
+    if (evaluations_ + enough > most) {
+      if (!within && out_.ended != CurvesEnding::Evaluations)
+        end_with(CurvesEnding::Evaluations, fmt::format("{} of {} evaluations are used", evaluations_, most));
+      return;
+    }
+    limit_ = std::max(limit_, std::min(most, evaluations_ + stage));
+    if (out_.ended != CurvesEnding::Evaluations) {
+      if (!try_again()) return;
+      continue;
+    }
+    const int before = evaluations_;
+    settle();
+    if (!stopped_) look_closer();
+    if (evaluations_ == before) return;
+  }
 }
 
 // The fit is brought into the frame before anything is solved, and evaluated on a mesh of its own.
@@ -1152,15 +1184,13 @@ FinishedCurves CurvesRun::run(const DesignCurves* from) {
     if (!(stressed_ ? follow_stresses() : leave_room())) break;
     settle();
   }
-  while (try_again()) continue;
+  go_further();
   if (kept_ && !(out_.finer && out_.finer->violation < feasible_violation && x_.J <= kept_->J))
     x_ = std::move(*kept_), out_.finer = kept_finer_, full_ = kept_full_;
   if (stressed_ && std::isfinite(full_))
     out_.notes.push_back(fmt::format(
         "on {:.2g} of the free boundary the stress is within 10 % of its bound, as a finer mesh has it", full_));
-  if (!stressed_ && std::isfinite(finer_gain_))
-    out_.gain =
-        std::max(gain_safety * std::max(finer_gain_, gain(x_)), gained_) + std::max(slow * std::abs(x_.J), tail_);
+  if (!stressed_ && std::isfinite(finer_gain_)) out_.gain = gain_left();
   out_.shape = shape_of(x_.curves);
   out_.curves = std::make_shared<const DesignCurves>(x_.curves);
   out_.crack_of = carved_.crack_of;

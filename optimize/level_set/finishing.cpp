@@ -123,7 +123,8 @@ FinishedCurves finish(const Ground& g, const Descent& d, const CurvesObserver& s
                     .residual = residual};
   for (const FunctionalBound& bound : g.r.bounds) how.at_most.push_back(bound.at_most);
   const int most = bounds_largest_stress(g.r) ? g.r.max_iterations : most_evaluations;
-  how.evaluations = std::min(most, g.r.max_iterations - d.progress().iteration - 1);
+  how.further = g.r.max_iterations - d.progress().iteration - 1;
+  how.evaluations = std::min(most, how.further);
   const Problem drawn = fitted(g, 1);
   try {
     const Carved carved = carved_again(g, d.progress().phi);
