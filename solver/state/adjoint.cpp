@@ -270,21 +270,37 @@ DualLoads dual_loads(const Model& m, const Sensitivity& dJ) {
   return loads;
 }
 
-namespace {
-
 // A derivative by the force of a held row prescribes minus its value as the dual jump.
 // The force of a row that slides is its share of one that is held.
+Eigen::VectorXd dual_jumps(Eigen::VectorXd by, const std::vector<bool>& held,
+                           const std::vector<SlidingPoint>& sliding) {
+  for (const SlidingPoint& p : sliding) by[p.normal] += p.share * by[p.tangential];
+  for (Eigen::Index i = 0; i < by.size(); ++i) by[i] = held[static_cast<std::size_t>(i)] ? -by[i] : 0;
+  return by;
+}
+
+// The interiors follow from the traces less their rigid motion, under the triangle's own -J; the motion is added to p
+// and rho alone, since it has no stress zeta.
+void fill_dual(const Model& m, const Sensitivity& dJ, const DoubleDouble& traces, const Eigen::VectorXd& theta,
+               Field& dual) {
+  const bool loaded = dJ.interior.size() > 0;
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.element));
+  const auto find = [&](Index t, const Triangle& shape, const SkeletonVector& rest, const Penalty& p) {
+    return interior_dual(m.inner->kernel, shape, material_of(m.mesh, m.scene, t),
+                         loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, rest, p);
+  };
+  fill_interior(m, traces, theta, find, dual);
+}
+
+namespace {
+
 Eigen::VectorXd dual_jumps(const Model& m, const Sensitivity& dJ, const TangentCone& cone) {
   const Index leading = m.inner->ordering.leading();
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(m.inner->ordering.contact_rows);
   if (dJ.force.size() == 0) return jump;
-  Eigen::VectorXd by = jump;
   for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading) by[row - leading] = dJ.force[u];
-  for (const SlidingPoint& p : cone.sliding) by[p.normal] += p.share * by[p.tangential];
-  for (Eigen::Index i = 0; i < jump.size(); ++i)
-    if (cone.held[static_cast<std::size_t>(i)]) jump[i] = -by[i];
-  return jump;
+    if (const Index row = m.inner->ordering.row[u]; row != none && row >= leading) jump[row - leading] = dJ.force[u];
+  return dual_jumps(std::move(jump), cone.held, cone.sliding);
 }
 
 // The matrix of a cone with slides is not symmetric, and made of the dense S.
@@ -444,8 +460,6 @@ Eigen::VectorXd weigh(const Model& model, Index t, const Points& x, const Fields
   return weigh(model.inner->kernel, triangle(model, t), x, weights);
 }
 
-// The interiors follow from the traces less their rigid motion, under the triangle's own -J; the motion is added to p
-// and rho alone, since it has no stress zeta.
 TangentField solve_adjoint(const Model& m, const Sensitivity& given, const TangentCone& cone) {
   require_rows(m, cone, "solve_adjoint");
   const Sensitivity dJ = balanced(m, given);
@@ -465,20 +479,8 @@ TangentField solve_adjoint(const Model& m, const Sensitivity& given, const Tange
   const PenaltyIterate solution = solve_tangent({condensed, cone, std::move(loads), dual_jumps(m, dJ, cone), F},
                                                 uniform, TangentSolver::to_rounding, refining, adjoint);
   const DoubleDouble values = on_skeleton(m, solution, std::vector<double>(m.inner->skeleton.total, 0));
-  const Index triangles = static_cast<Index>(m.mesh.triangles.size());
   adjoint.force.setZero(m.inner->skeleton.total);
-  adjoint.interior.resize(interior_count(m.element), triangles);
-  const bool loaded = dJ.interior.size() > 0;
-  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(m.element));
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Strained s = strained(m, values, t);
-      adjoint.interior.col(t) =
-          interior_dual(m.inner->kernel, triangle(m, t), material_of(m.mesh, m.scene, t),
-                        loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, s.rest, penalty_of(m, solution, t));
-      add_motion(m, t, s.motion, adjoint.interior.col(t));
-    }
-  });
+  fill_dual(m, dJ, values, solution.theta, adjoint);
   return adjoint;
 }
 

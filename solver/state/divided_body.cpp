@@ -336,51 +336,37 @@ void SharedBody::Impl::move(const Eigen::VectorXd& own, DoubleDouble& x) {
   add(x, 1, moved);
 }
 
-// K x - F from the stresses, triangle by triangle; on unknowns of others it lacks the triangles that are not here. As
-// judge in solve.cpp, with sums and largest values over processes. Each unknown counts where it is answered for,
-// triangles where they are own.
-void SharedBody::Impl::judge(const Loads& loads, Round& r, Field& field) {
+// K x - F from the stresses, triangle by triangle; on unknowns of others it lacks the triangles that are not here. Each
+// unknown counts where it is answered for, triangles where they are own.
+void SharedBody::Impl::judge(Round& r, Field& field) {
   const Skeleton& s = model.inner->skeleton;
   const Ordering& o = model.inner->ordering;
   const Balance balance = recover_interior(model, r.x, r.theta, field);
   applied = balance.loads;
   r.unmet = balance.forces - applied;
-  double load = std::numeric_limits<double>::min(), residual = 0, work = 0, given = 0;
-  for (Index u = 0; u < s.total; ++u) {
-    if (!owns(model, u)) continue;
-    load = std::max(load, std::abs(balance.loads[u]));
-    work += balance.loads[u] * r.x.high[u];
-    if (loads.prescribed[u] != 0) {
-      given = std::max(given, std::abs(loads.prescribed[u]));
-      load = std::max(load, std::abs(r.unmet[u]));
-      work += loads.prescribed[u] * r.unmet[u];
-    }
-    if (o.row[u] != none && o.row[u] < leading_rows()) residual = std::max(residual, std::abs(r.unmet[u]));
-  }
-  // Largest values first: the sizes that later comparisons are relative to must be the same on all processes.
-  std::array<double, 4> most{load, residual, r.x.high.allFinite() ? 0.0 : 1.0, given};
+  Driven driven = driven_by(model, balance, r.x, stiffest, sums_over(comm));
+  std::array<double, 2> most{0, r.x.high.allFinite() ? 0.0 : 1.0};
+  for (Index u = 0; u < s.total; ++u)
+    if (owns(model, u) && o.row[u] != none && o.row[u] < leading_rows())
+      most[0] = std::max(most[0], std::abs(r.unmet[u]));
   comm.largest(most);
-  const double rounding = force_of_rounding(stiffest, most[3]);
-  load = std::max(most[0], rounding);
-  r.certificate.residual = most[1] / load;
+  r.certificate.residual = most[0] / driven.largest;
   double law = 0;
   // Forces of contact are known on all rows that are seen here, own or not; their work is that of own rows.
   field.force = Eigen::VectorXd::Zero(s.total);
   if (contact_rows > 0) {
     const JudgedContact judged =
-        judge_contact(points, r.motion, on_contact(r.x.high) - gaps, on_contact(r.unmet), load);
+        judge_contact(points, r.motion, on_contact(r.x.high) - gaps, on_contact(r.unmet), driven.largest);
     r.certificate.residual = std::max(r.certificate.residual, judged.residual);
     law = judged.law;
     for (Index u = s.base; u < s.total; ++u)
       if (contact_of[u] != none) field.force[u] = judged.bears[contact_of[u]];
-    for (const Index u : own_contact) work += field.force[u] * (r.x.high[u] - s.prescribed[u]);
+    for (const Index u : own_contact) driven.work += field.force[u] * (r.x.high[u] - s.prescribed[u]);
   }
-  std::array<double, 3> sums{balance.energy, work,
-                             balance.noise + (model.inner->data.strain.empty() ? 0 : strain_energy(model, field))};
-  comm.sum(sums);
-  r.size = std::abs(sums[0]) + sums[2] + rounding * std::numeric_limits<double>::epsilon() * most[3];
-  r.certificate.work = r.size > 0 ? std::abs(sums[0] - sums[1]) / r.size : 0;
-  r.certificate.kkt = most[2] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
+  const JudgedWork work = judge_work(model, balance, driven, 0, field, sums_over(comm));
+  r.size = work.size;
+  r.certificate.work = work.error;
+  r.certificate.kkt = most[1] == 0 ? std::max({r.certificate.residual, law, r.penalty_error}) : infinity;
 }
 
 // The active set asks for responses; each is the body moved on by what its forces leave unmet, so that later sets begin
@@ -467,23 +453,19 @@ State SharedBody::Impl::solve(const ContactGuess& guess, bool keep_factor) {
                  Eigen::VectorXd::Zero(model.inner->skeleton.total)}};
   if (penalized) at.theta.setZero(static_cast<Eigen::Index>(model.mesh.triangles.size()));
   at.motion = first_motions(guess);
-  judge(loads, at, state);
-  Round best;
-  const int most = penalized ? 40 : 15;
-  const double enough = penalized ? 1e-16 : 1e-12;
-  RoundsEnd end(penalized);
-  bool best_is_last = true;
-  for (int round = 0; round < most; ++round) {
-    correct(at, state);
-    if (penalized) step_theta(loads, at, state.linear_solves, true);
-    judge(loads, at, state);
-    best_is_last = end.take(at.certificate.kkt);
-    if (best_is_last) best = at;
-    // Of a body that is moved as a whole the energy is rounding, which a residual that is small does not tell.
-    const bool balanced = at.certificate.work <= RoundsEnd::settled;
-    if ((at.certificate.kkt <= enough && balanced) || end.stalls()) break;
-  }
-  if (!best_is_last) judge(loads, best, state);
+  judge(at, state);
+  const auto round = [&](Round& r) {
+    correct(r, state);
+    if (penalized) step_theta(loads, r, state.linear_solves, true);
+    judge(r, state);
+    return r.certificate.kkt;
+  };
+  // Of a body that is moved as a whole the energy is rounding, which a residual that is small does not tell.
+  const auto enough = [&](const Round& r, double error) {
+    return error <= (penalized ? 1e-16 : 1e-12) && r.certificate.work <= RoundsEnd::settled;
+  };
+  auto [best, is_last] = best_round(std::move(at), penalized, penalized ? 40 : 15, round, enough);
+  if (!is_last) judge(best, state);
   if (penalized && uniform.level_open() && contact_rows > 0) throw Error(Fault::Numerics, open_level);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   const Eigen::VectorXd rest = best.unmet - state.force;

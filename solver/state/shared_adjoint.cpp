@@ -8,7 +8,6 @@
 // and docs/theory/elements.md, section Solving in parts.
 
 #include "base/dense.hpp"
-#include "base/parallel.hpp"
 #include "solver/contact/gmres.hpp"
 #include "solver/state/dual.hpp"
 #include "solver/state/shared_body.hpp"
@@ -20,26 +19,6 @@
 #include <limits>
 
 namespace kerf {
-
-namespace {
-
-/// The interiors of a field: find(triangle, its shape, what strains it, Penalty).
-template <typename Find>
-void fill_interior(const Model& m, const DoubleDouble& x, const Eigen::VectorXd& theta, const Find& find,
-                   Field& field) {
-  const auto triangles = static_cast<Index>(m.mesh.triangles.size());
-  field.interior.resize(interior_count(m.element), triangles);
-  parallel_for(triangles, m.threads, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Strained s = strained(m, x, t);
-      field.interior.col(t) =
-          find(t, triangle(m, t), s.rest, Penalty{penalty_at(m, t), theta.size() > 0 ? theta[t] : 0});
-      add_motion(m, t, s.motion, field.interior.col(t));
-    }
-  });
-}
-
-}  // namespace
 
 // Jumps of held rows are put into x before the first round, and their forces are then unmet like any others.
 SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, TangentField& field) {
@@ -63,18 +42,15 @@ SharedBody::Impl::Round SharedBody::Impl::solve_linear(const Problem& problem, T
   };
   at.unmet = forces_of(at.x, at.theta) - problem.load;
   const double size = std::max({largest(problem.load), largest(at.unmet), std::numeric_limits<double>::min()});
-  Round best;
-  RoundsEnd end(penalized);
-  const int most = penalized ? 40 : 4;
-  for (int round = 0; round < most; ++round) {
-    settle(-at.unmet, at.x);
+  const auto round = [&](Round& r) {
+    settle(-r.unmet, r.x);
     ++field.linear_solves;
-    if (penalized) step_theta(loads, at, field.linear_solves, false);
-    at.unmet = forces_of(at.x, at.theta) - problem.load;
-    at.certificate.kkt = std::max(largest(at.unmet) / size, at.penalty_error);
-    if (end.take(at.certificate.kkt)) best = at;
-    if (end.least() <= TangentSolver::to_rounding || end.stalls()) break;
-  }
+    if (penalized) step_theta(loads, r, field.linear_solves, false);
+    r.unmet = forces_of(r.x, r.theta) - problem.load;
+    return r.certificate.kkt = std::max(largest(r.unmet) / size, r.penalty_error);
+  };
+  const auto enough = [](const Round&, double error) { return error <= TangentSolver::to_rounding; };
+  Round best = best_round(std::move(at), penalized, penalized ? 40 : 4, round, enough).best;
   field.residual = best.certificate.kkt;
   field.skeleton = best.x.high;
   field.force.setZero(s.total);
@@ -142,12 +118,7 @@ TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ)
                   .load = std::move(loads.forces),
                   .own = std::move(loads.own)};
   const std::vector<SlidingPoint> slides = sliding(state, problem.held);
-  if (dJ.force.size() > 0 && contact_rows > 0) {
-    Eigen::VectorXd by = on_contact(dJ.force);
-    for (const SlidingPoint& p : slides) by[p.normal] += p.share * by[p.tangential];
-    for (Index i = 0; i < contact_rows; ++i)
-      if (problem.held[static_cast<std::size_t>(i)]) problem.jump[i] = -by[i];
-  }
+  if (dJ.force.size() > 0 && contact_rows > 0) problem.jump = dual_jumps(on_contact(dJ.force), problem.held, slides);
   const Eigen::VectorXd given = problem.jump;
   TangentField field;
   int before = 0;
@@ -161,14 +132,7 @@ TangentField SharedBody::Impl::solve_adjoint(const Field& state, Sensitivity dJ)
           std::max(field.residual, std::abs(jumps[p.normal] - given[p.normal] + p.share * jumps[p.tangential]) /
                                        jumps.cwiseAbs().maxCoeff());
   }
-  const Kernel& k = model.inner->kernel;
-  const bool loaded = dJ.interior.size() > 0;
-  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(interior_count(model.element));
-  const auto dual = [&](Index t, const Triangle& shape, const SkeletonVector& rest, const Penalty& p) {
-    return interior_dual(k, shape, material_of(model.mesh, model.scene, t),
-                         loaded ? Eigen::VectorXd(dJ.interior.col(t)) : nothing, rest, p);
-  };
-  fill_interior(model, found.x, found.theta, dual, field);
+  fill_dual(model, dJ, found.x, found.theta, field);
   return field;
 }
 

@@ -111,7 +111,7 @@ struct SharedBody::Impl {
   };
 
   /// Fills in the rest of a round, and the interiors of its fields.
-  void judge(const Loads& loads, Round& r, Field& field);
+  void judge(Round& r, Field& field);
 
   /// Moves on to the solution of the equations that a round has left unmet.
   void correct(Round& r, State& state);

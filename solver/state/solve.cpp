@@ -19,7 +19,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace kerf {
@@ -202,20 +204,13 @@ struct Drive {
   double largest = 0;
 };
 
-double largest_of(const std::vector<double>& values) {
-  double largest = 0;
-  for (const double u : values) largest = std::max(largest, std::abs(u));
-  return largest;
-}
-
-double force_of_rounding(const Model& m) {
-  const double largest = largest_of(m.inner->skeleton.prescribed);
-  if (largest == 0) return 0;
-  double stiffest = 0;
+double stiffest(const Model& m) {
+  double most = 0;
+  if (m.inner->ordering.size == 0) return most;
   const LowerTriangle& K = *m.inner->system.K;
   for (Index j = 0; j < K.size; ++j)
-    if (K.start[j] < K.start[j + 1]) stiffest = std::max(stiffest, std::abs(K.values[K.start[j]]));
-  return kerf::force_of_rounding(stiffest, largest);
+    if (K.start[j] < K.start[j + 1]) most = std::max(most, std::abs(K.values[K.start[j]]));
+  return most;
 }
 
 // What the slip of the steps before [theory: C.28] would take if nothing answered it. Of an unloaded body that is all
@@ -235,37 +230,24 @@ PreviousSlip remembered(const Model& m) {
 
 // The state of an iterate, certified triangle by triangle: the residual, contact and friction by the exact forces, and
 // the work [theory: E.20, E.21].
-// Work of prescribed values: reactions, K x - F on the fixed unknowns, times these. Sizes of rounding and of remembered
-// slips stand in where a body that is unloaded or moves as a whole has no energy to compare with.
 Drive judge(const Condensation& condensed, PenaltyIterate& s, State& state) {
   const Model& m = condensed.m;
-  const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
-  const DoubleDouble values = on_skeleton(m, s, prescribed);
+  const DoubleDouble values = on_skeleton(m, s, m.inner->skeleton.prescribed);
   Balance balance = recover_interior(m, values, s.theta, state);
-  const Eigen::VectorXd unmet = balance.forces - balance.loads, rest = on_rows(m, unmet);
-  double largest = std::max(balance.loads.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()),
-         work = balance.loads.dot(values.high);
-  for (Index u = 0; u < m.inner->skeleton.total; ++u)
-    if (prescribed[u] != 0) {
-      largest = std::max(largest, std::abs(unmet[u]));
-      work += prescribed[u] * unmet[u];
-    }
-  const double rounding = force_of_rounding(m);
+  const Eigen::VectorXd rest = on_rows(m, balance.forces - balance.loads);
+  Driven driven = driven_by(m, balance, values, stiffest(m), sums_of_one());
   const PreviousSlip before = remembered(m);
-  largest = std::max({largest, rounding, before.force});
+  const double largest = std::max(driven.largest, before.force);
   certify_iterate(condensed, {rest, largest}, s);
-  work += s.force.dot(s.x);
+  driven.work += s.force.dot(s.x);
   // The part of the rest that nothing answers, and the energy of the error that it stands for.
   Eigen::VectorXd missed = rest - s.force;
   const Index leading = m.inner->ordering.leading();
   for (Index i = 0; i < m.inner->ordering.contact_rows; ++i)
     if (s.motion[i] == Motion::Held) missed[leading + i] = 0;
-  // An eigenstrain stores energy without any displacement, too.
-  const double error = condensed.energy_of(missed, s.motion),
-               stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state),
-               moved = rounding * std::numeric_limits<double>::epsilon() * largest_of(prescribed),
-               size = std::abs(balance.energy) + balance.noise + stored + moved + before.energy;
-  s.certificate.work = size > 0 ? std::max(std::abs(balance.energy - work) / size, std::sqrt(error / size)) : 0;
+  const double error = condensed.energy_of(missed, s.motion);
+  const JudgedWork work = judge_work(m, balance, driven, before.energy, state, sums_of_one());
+  s.certificate.work = work.size > 0 ? std::max(work.error, std::sqrt(error / work.size)) : 0;
   state.certificate = s.certificate;
   state.skeleton = values.high;
   state.force = on_skeleton(m, s.force, nullptr);
@@ -377,6 +359,43 @@ void refine(const Condensation& condensed, Drive drive, UniformPressure& uniform
 }
 
 }  // namespace
+
+// Each unknown counts where it is answered for. Work of prescribed values: reactions, K x - F on the fixed unknowns,
+// times these.
+Driven driven_by(const Model& m, const Balance& balance, const DoubleDouble& values, double stiffest,
+                 const Sums& sums) {
+  const std::vector<double>& prescribed = m.inner->skeleton.prescribed;
+  Eigen::VectorXd loads = balance.loads;
+  for (Index u = 0; u < m.inner->skeleton.total; ++u)
+    if (!owns(m, u)) loads[u] = 0;
+  Driven d{.largest = std::max(loads.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()),
+           .work = loads.dot(values.high)};
+  for (Index u = 0; u < m.inner->skeleton.total; ++u) {
+    if (prescribed[u] == 0 || !owns(m, u)) continue;
+    const double unmet = balance.forces[u] - balance.loads[u];
+    d.largest = std::max(d.largest, std::abs(unmet));
+    d.prescribed = std::max(d.prescribed, std::abs(prescribed[u]));
+    d.work += prescribed[u] * unmet;
+  }
+  std::array<double, 2> most{d.largest, d.prescribed};
+  sums.most(most);
+  d.prescribed = most[1];
+  d.rounding = std::numeric_limits<double>::epsilon() * stiffest * d.prescribed;
+  d.largest = std::max(most[0], d.rounding);
+  return d;
+}
+
+// An eigenstrain stores energy without any displacement, too. Sizes of rounding and of remembered slips stand in where
+// a body that is unloaded or moves as a whole has no energy to compare with.
+JudgedWork judge_work(const Model& m, const Balance& balance, const Driven& driven, double previous, const Field& state,
+                      const Sums& sums) {
+  const double stored = m.inner->data.strain.empty() ? 0 : strain_energy(m, state);
+  std::array<double, 4> all{balance.energy, driven.work, balance.noise, stored};
+  sums.add(all);
+  const double moved = driven.rounding * std::numeric_limits<double>::epsilon() * driven.prescribed,
+               size = std::abs(all[0]) + all[2] + all[3] + moved + previous;
+  return {size > 0 ? std::abs(all[0] - all[1]) / size : 0, size};
+}
 
 // Stresses stay as they are; displacement and rotation lose the mean motion.
 void remove_motions(const Model& m, Field& s) {

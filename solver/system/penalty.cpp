@@ -228,28 +228,27 @@ PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, Penalt
   const Model& m = condensed.m;
   const bool penalized = m.inner->system.penalty > 0, any_rows = m.inner->ordering.size > 0;
   if (penalized && next.theta.size() == 0) next.theta.setZero(static_cast<Eigen::Index>(m.mesh.triangles.size()));
-  PenaltyIterate best = next;
   Eigen::VectorXd F = loads.F;
-  RoundsEnd end(penalized);
-  for (int round = 0; round < steps.most; ++round) {
-    if (any_rows) steps.solve(F, next);
-    if (penalized) {
-      correct(condensed, loads, uniform, next);
-      update_theta(m, loads, next);
-      F = right_hand_side(m, loads, next);
-    }
-    if (!any_rows) {
-      best = next;
-      if (!penalized) break;
-      continue;
-    }
-    steps.certify(F, next);
-    const double error = next.certificate.kkt;
-    if (end.take(error)) best = next;
-    if (error <= steps.enough || end.stalls()) break;
-    if (!penalized && steps.rounding && error <= RoundsEnd::settled && error <= steps.rounding(next)) break;
+  const auto pay_back = [&](PenaltyIterate& s) {
+    correct(condensed, loads, uniform, s);
+    update_theta(m, loads, s);
+    F = right_hand_side(m, loads, s);
+  };
+  if (!any_rows) {
+    for (int round = 0; round < steps.most && penalized; ++round) pay_back(next);
+    return next;
   }
-  return best;
+  const auto round = [&](PenaltyIterate& s) {
+    steps.solve(F, s);
+    if (penalized) pay_back(s);
+    steps.certify(F, s);
+    return s.certificate.kkt;
+  };
+  const auto enough = [&](const PenaltyIterate& s, double error) {
+    return error <= steps.enough ||
+           (!penalized && steps.rounding && error <= RoundsEnd::settled && error <= steps.rounding(s));
+  };
+  return best_round(std::move(next), penalized, steps.most, round, enough).best;
 }
 
 }  // namespace kerf

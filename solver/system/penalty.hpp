@@ -118,6 +118,26 @@ class RoundsEnd {
   int without_gain_ = 0, patience_ = 1;
 };
 
+/// The best of these rounds, and whether it is the last one.
+template <typename Iterate>
+struct BestRound {
+  Iterate best;
+  bool is_last = true;
+};
+/// At most so many: `round(iterate)` moves it on and returns its error, `enough(iterate, error)` ends them.
+template <typename Iterate, typename Round, typename Enough>
+BestRound<Iterate> best_round(Iterate next, bool penalized, int most, const Round& round, const Enough& enough) {
+  BestRound<Iterate> found{next};
+  RoundsEnd end(penalized);
+  for (int k = 0; k < most; ++k) {
+    const double error = round(next);
+    found.is_last = end.take(error);
+    if (found.is_last) found.best = next;
+    if (enough(next, error) || end.stalls()) break;
+  }
+  return found;
+}
+
 /// One solve, then rounds that remove the residual: of rounding, and of the penalty when there is one. Gives the best
 /// round; starts from the motions in `next`.
 PenaltyIterate iterate(const Condensation& condensed, const Loads& loads, PenaltyIterate next, UniformPressure& uniform,
