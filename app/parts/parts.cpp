@@ -177,10 +177,7 @@ struct InParts {
         given = std::make_shared<const Mesh>(next(found));
         continue;
       }
-      if (c.adapt) {
-        r.adapt.emplace().stopped = found.stopped;
-        for (const Round& round : rounds) r.adapt->rounds.emplace_back(round.triangles, round.estimated_error);
-      }
+      if (c.adapt) r.adapt = adapt_result(rounds, found.stopped);
       return found;
     }
   }

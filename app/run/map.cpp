@@ -45,10 +45,6 @@ std::vector<std::string> beyond_answers(const MapTask& task, const Analysis& a, 
       at.x(), at.y(), answered, small * answered, map.radius)};
 }
 
-}  // namespace
-
-namespace {
-
 /// The quantity of the tip as the state has it, and what its errors are compared with.
 std::pair<double, double> at_tip(const TipResult& tip, TipQuantity quantity) {
   if (quantity == TipQuantity::ReleaseRate) return {*tip.G, std::abs(*tip.G)};
@@ -58,11 +54,6 @@ std::pair<double, double> at_tip(const TipResult& tip, TipQuantity quantity) {
 }
 
 }  // namespace
-
-Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map) {
-  if (with_map) require_supports(j, adapted.model);
-  return analyze(j, adapted.model, adapted.state, !with_map);
-}
 
 std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis, const Shape& shape,
                                   const std::vector<CrackResult>& cracks) {

@@ -8,9 +8,6 @@ namespace kerf {
 
 struct SingularZones;  // app/run/peaks.hpp
 
-/// J, and its adjoint where a map is to follow.
-Analysis evaluate(const Functional& j, const Adapted& adapted, bool with_map);
-
 /// What a reader of the value should know.
 std::vector<std::string> notes_on(const Functional& j, const Analysis& analysis, const Shape& shape,
                                   const std::vector<CrackResult>& cracks);

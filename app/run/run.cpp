@@ -46,6 +46,7 @@
 #include "solver/adapting.hpp"
 #include "solver/divided_body.hpp"
 #include "solver/system.hpp"
+#include "topo/analysis.hpp"
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -161,6 +162,16 @@ void refuse_remeshing(const Case& c, const Jobs& jobs) {
                     *problem, why));
 }
 
+/// What takes more than a state and a map of it; null: nothing.
+const char* beyond_state(const Case& c, const Jobs& jobs) {
+  return jobs.optimize                      ? "an optimization"
+         : jobs.validate || jobs.draw_edges ? "a validation"
+         : jobs.grow                        ? "growth of cracks ([grow])"
+         : !c.steps.empty()                 ? "a history of loads ([[step]])"
+         : c.synthetic                      ? "a made up measurement ([synthetic])"
+                                            : nullptr;
+}
+
 /// What is not solved on several processes.
 void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processes) {
   if (c.backend != Backend::Petsc) {
@@ -182,13 +193,7 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
   if (!processes)
     throw Error(Fault::Usage, place + ": backend = \"petsc\" is for the program kerf alone; use \"cholmod\"");
   require_edges_alone(c.element);
-  const char* job = jobs.optimize      ? "an optimization"
-                    : jobs.edges       ? "a map of edge cracks"
-                    : jobs.validate    ? "a validation"
-                    : jobs.grow        ? "growth of cracks ([grow])"
-                    : !c.steps.empty() ? "a history of loads ([[step]])"
-                    : c.synthetic      ? "a made up measurement ([synthetic])"
-                                       : nullptr;
+  const char* job = jobs.edges && !jobs.optimize ? "a map of edge cracks" : beyond_state(c, jobs);
   if (job)
     throw Error(Fault::Usage, fmt::format("{}: backend = \"petsc\" solves a state and what follows from it; {} is not "
                                           "solved on several processes yet: use \"cholmod\"",
@@ -198,14 +203,9 @@ void refuse_processes(const Case& c, const Jobs& jobs, const Processes* processe
 /// Divided triangles are of the mesh of a state; what meshes the body anew would not have them.
 void refuse_divided(const Case& c, const Jobs& jobs) {
   if (c.divisions == 0) return;
-  const char* job = jobs.optimize                      ? "an optimization"
-                    : jobs.validate || jobs.draw_edges ? "a validation"
-                    : jobs.grow                        ? "growth of cracks ([grow])"
-                    : !c.steps.empty()                 ? "a history of loads ([[step]])"
-                    : c.synthetic                      ? "a made up measurement ([synthetic])"
-                    : jobs.map && c.map_request.bounds ? "error bars of a map (map.bounds)"
-                    : c.bounds                         ? "[bounds]"
-                                                       : nullptr;
+  const char* job = beyond_state(c, jobs);
+  if (!job && jobs.map && c.map_request.bounds) job = "error bars of a map (map.bounds)";
+  if (!job && c.bounds) job = "[bounds]";
   if (job)
     throw Error(Fault::Usage,
                 fmt::format("{}: mesh.refine is for a state and a map of it; {} meshes the body anew: use "
@@ -285,7 +285,7 @@ Adapted solve_body(const Case& c, Journal& journal, Result& r) {
     };
   Adapted adapted = solve_refined(body, how, journal);
   describe_mesh(adapted.model.mesh, r);
-  r.adapt = adapt_result(adapted);
+  r.adapt = adapt_result(adapted.rounds, adapted.stopped);
   if (c.adapt->of) r.adapt->of = in_words(*c.adapt->of, c.shape, c.sizing.curved);
   return adapted;
 }
@@ -350,8 +350,10 @@ Analysis evaluate_functional(const Case& c, RunState& solved, bool with_map, Jou
   };
   journal.begin(with_map ? "map" : "functional");
   const auto& together = solved.together;
-  Analysis analysis = together ? together->functional : evaluate(c.functional, solved.adapted, with_map);
-  analysis.model = &solved.adapted.model;
+  const Model& model = solved.adapted.model;
+  if (with_map) require_supports(c.functional, model);
+  Analysis analysis = together ? together->functional : analyze(c.functional, model, solved.adapted.state, !with_map);
+  analysis.model = &model;
   r.functional = functional_result(c.functional, analysis);
   if (r.load_cases.size() > 1)
     note(

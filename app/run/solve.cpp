@@ -74,9 +74,9 @@ Adapted solve_refined(const Body& body, Adaptation how, Journal& journal) {
   return adapted;
 }
 
-AdaptResult adapt_result(const Adapted& adapted) {
-  AdaptResult r{.stopped = adapted.stopped};
-  for (const Round& round : adapted.rounds) r.rounds.emplace_back(round.triangles, round.estimated_error);
+AdaptResult adapt_result(const std::vector<Round>& rounds, const std::string& stopped) {
+  AdaptResult r{.stopped = stopped};
+  for (const Round& round : rounds) r.rounds.emplace_back(round.triangles, round.estimated_error);
   return r;
 }
 

@@ -40,7 +40,7 @@ auto as_it_can(Case& c, const Solve& solve) {
 Adapted solve_once(const Body& body, const Adaptation& how, Journal& journal);
 Adapted solve_refined(const Body& body, Adaptation how, Journal& journal);
 
-AdaptResult adapt_result(const Adapted& adapted);
+AdaptResult adapt_result(const std::vector<Round>& rounds, const std::string& stopped);
 
 /// Sections state, cracks and contact of what was found, with the notes on them. `body`: on several processes that
 /// before the mesh is divided. Throws as require_energy does.

@@ -105,10 +105,6 @@ void write_state_files(const Journal& journal, const Adapted& adapted, const Plo
   if (journal.vtk && journal.whole)
     write_fields(journal, "state.vtu", adapted.model.mesh, data,
                  state_fields(adapted.model, adapted.state, data, adapted.indicator));
-  write_crack_files(journal, cracks);
-}
-
-void write_crack_files(const Journal& journal, const std::vector<CrackResult>& cracks) {
   for (const CrackResult& crack : cracks) {
     const std::string name = "crack_" + crack.name;
     journal.later([path = journal.file(name + ".csv"), crack] { write_crack_csv(path, crack); });
@@ -190,11 +186,6 @@ void write_design_files(const Journal& journal, const Case& c, const OptimizeRes
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data) {
   if (journal.vtk && is_everywhere(map.full)) write_fields(journal, "map.vtu", mesh, data, map_fields(map));
-  write_map_table(journal, task, map, mesh, data);
-}
-
-void write_map_table(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
-                     const PlotData& data) {
   const bool bounds = task.request.bounds, second = task.request.second, oriented = map.full.angle.size() > 0;
   std::vector<std::string> columns = {"x", "y", "topological_derivative"};
   if (bounds) columns.insert(columns.end(), {"lower", "upper"});

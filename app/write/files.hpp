@@ -11,9 +11,6 @@ namespace kerf {
 void write_state_files(const Journal& journal, const Adapted& adapted, const PlotData& data,
                        const std::vector<CrackResult>& cracks);
 
-/// crack_<name>.csv and .vtp.
-void write_crack_files(const Journal& journal, const std::vector<CrackResult>& cracks);
-
 /// design.toml, design.svg and design.dxf: what an optimization of the case ended with.
 void write_design_files(const Journal& journal, const Case& c, const OptimizeResult& r);
 
@@ -32,9 +29,6 @@ std::vector<NamedField> map_fields(const Mapped& map);
 
 /// map.vtu; map.csv at the asked points, or at all corners.
 void write_map_files(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
-                     const PlotData& data);
-/// map.csv alone.
-void write_map_table(const Journal& journal, const MapTask& task, const Mapped& map, const Mesh& mesh,
                      const PlotData& data);
 
 /// x, y and the state at a point, the place of a derivative behind them; NaN for what is not known: all of it outside
