@@ -78,7 +78,7 @@ DesignCurves shaken(const DesignCurves& d, double size, std::mt19937& random) {
   }
 }
 
-// Five restarts each from the ends of four level sets: one of twenty may gain more than the bound.
+// Five restarts each from the ends of four level sets: one of twenty may gain more than the bound; none does.
 TEST(Gain, CoversWhatRestartsGain) {
   const std::array<Body, 4> bodies{{{1, 2, true, {0.6, 2}, {0.4, 2}, {6, -2}, 0.35},
                                     {1.5, 1.1, false, {1.5, 0.9}, {1.5, 1.1 - 0.05}, {0, -5}, 0.45},
