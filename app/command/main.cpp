@@ -120,36 +120,42 @@ void declare_sweep(CommandOptions& sub, Arguments& arguments) {
   sub.flag("--quiet", arguments.quiet, "No summary and no progress");
 }
 
+constexpr const char *end_memory = "End what needs more, as 800MB or 12GB", *end_seconds = "End what takes longer";
+
+/// The options of a command that reads no case; whether it is one.
+bool declare_without_case(CommandOptions& sub, Arguments& arguments, const std::string& name) {
+  if (name == "keys") {
+    sub.words("NAME", arguments.keys.name, "Of a key or a table, such as mesh.size or hole; default all");
+    sub.flag("--markdown", arguments.keys.markdown, "Print the tables of keys in Markdown");
+    sub.flag("--schema", arguments.keys.schema, "Print a JSON Schema of case files, for editors");
+    sub.words("--completion", arguments.keys.completion, "Print a completion for a shell: bash");
+    sub.words("--write", arguments.keys.folder, "Make what is made from the keys anew in this folder (docs)");
+    return true;
+  }
+  if (name == "init") {
+    sub.words("NAME", arguments.template_name, "Which one; see --list");
+    sub.flag("--list", arguments.list, "Print the names and what they show; write nothing");
+    sub.words("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
+    sub.flag("--force", arguments.force, "Overwrite the file");
+    return true;
+  }
+  if (name == "report") {
+    sub.words("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>", true);
+    sub.words("OTHER", arguments.other, "Folder of another run to compare it with, in compare.html");
+    sub.words("-o,--output", arguments.page, "Where compare.html goes; default the folder of the other run");
+    sub.flag("--quiet", arguments.quiet, "Do not say what was written");
+    declare_limits(sub, arguments, end_memory, end_seconds);
+    return true;
+  }
+  return name == "bench" || name == "help";  // a program of its own; see spell_help
+}
+
 void declare(CommandLine& line, Arguments& arguments) {
-  constexpr const char *end_memory = "End what needs more, as 800MB or 12GB", *end_seconds = "End what takes longer";
   line.version(version_text);
   for (const Command& command : commands()) {
     CommandOptions sub = line.command(command.name, command.description,
                                       [&arguments, name = command.name] { arguments.command = name; });
-    if (command.name == "keys") {
-      sub.words("NAME", arguments.keys.name, "Of a key or a table, such as mesh.size or hole; default all");
-      sub.flag("--markdown", arguments.keys.markdown, "Print the tables of keys in Markdown");
-      sub.flag("--schema", arguments.keys.schema, "Print a JSON Schema of case files, for editors");
-      sub.words("--completion", arguments.keys.completion, "Print a completion for a shell: bash");
-      sub.words("--write", arguments.keys.folder, "Make what is made from the keys anew in this folder (docs)");
-      continue;
-    }
-    if (command.name == "init") {
-      sub.words("NAME", arguments.template_name, "Which one; see --list");
-      sub.flag("--list", arguments.list, "Print the names and what they show; write nothing");
-      sub.words("-o,--output", arguments.folder, "The file to write; default <NAME>.toml");
-      sub.flag("--force", arguments.force, "Overwrite the file");
-      continue;
-    }
-    if (command.name == "report") {
-      sub.words("DIR", arguments.folder, "Folder of a run that has ended, such as out/<case name>", true);
-      sub.words("OTHER", arguments.other, "Folder of another run to compare it with, in compare.html");
-      sub.words("-o,--output", arguments.page, "Where compare.html goes; default the folder of the other run");
-      sub.flag("--quiet", arguments.quiet, "Do not say what was written");
-      declare_limits(sub, arguments, end_memory, end_seconds);
-      continue;
-    }
-    if (command.name == "bench" || command.name == "help") continue;  // a program of its own; see spell_help
+    if (declare_without_case(sub, arguments, command.name)) continue;
     sub.words("CASE", arguments.case_file, "The case file (TOML)", true);
     if (command.name == "mesh") {
       sub.words("-o,--output", arguments.folder, "The file to write: .msh or .vtu; default <case name>.msh");
@@ -423,6 +429,53 @@ void serve(const Case& c, Processes& processes, const Watchdog& watchdog) {
                   [&] { return watchdog.why(); });
 }
 
+Job job_of(const std::string& command) {
+  return command == "solve"      ? Job::Solve
+         : command == "map"      ? Job::Map
+         : command == "validate" ? Job::Validate
+         : command == "optimize" ? Job::Optimize
+         : command == "grow"     ? Job::Grow
+                                 : Job::Run;
+}
+
+/// What takes a case and a folder.
+int perform_run(const Arguments& arguments, const Case& c, Watchdog& watchdog, Processes& processes) {
+  RunOptions options;
+  options.folder = std::filesystem::path(arguments.folder);
+  if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
+  if (arguments.command == "check") {
+    print(check(c, options.folder));
+    return 0;
+  }
+  options.command = arguments.line;
+  options.processes = &processes;
+  options.resume = arguments.resume;
+  if (options.resume && !c.optimize && !c.grow)
+    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize] and no table [grow]");
+  const Job job = job_of(arguments.command);
+  if (arguments.dry_run) {
+    watchdog.allow_forecast();
+    catch_signals();
+    const Forecast f = *foretell(c, job, arguments);
+    print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
+    return 0;
+  }
+  // Whoever started this process: MPI knows how many there are, before any of them writes.
+  if (c.backend == Backend::Petsc && processes.start() > 0) {
+    serve(c, processes, watchdog);
+    return 0;
+  }
+  if (options.resume) check_checkpoint(options.folder, c.fingerprint);
+  // Nothing to resume: a run like any other, which overwrites nothing.
+  const bool resume = options.resume;
+  options.resume = resume && has_checkpoint(options.folder);
+  FolderLock lock;
+  claim_folder(options.folder, arguments.force, resume, lock);
+  options.lock = &lock;
+  catch_signals();
+  return perform_jobs(arguments, c, job, options, watchdog);
+}
+
 int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& processes) {
   if (arguments.command == "init") return perform_init(arguments);
   if (arguments.command == "report") return perform_report(arguments);
@@ -450,45 +503,7 @@ int perform_command(const Arguments& arguments, Watchdog& watchdog, Processes& p
   if (!processes.words().empty() && c.backend != Backend::Petsc)
     throw Error(Fault::Usage, "what stands behind -- are options of PETSc, for solver.backend = \"petsc\"");
   if (arguments.command == "mesh") return perform_mesh(arguments, c);
-  RunOptions options;
-  options.folder = std::filesystem::path(arguments.folder);
-  if (options.folder.empty()) options.folder = std::filesystem::path("out") / c.name;
-  if (arguments.command == "check") {
-    print(check(c, options.folder));
-    return 0;
-  }
-  options.command = arguments.line;
-  options.processes = &processes;
-  options.resume = arguments.resume;
-  if (options.resume && !c.optimize && !c.grow)
-    throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize] and no table [grow]");
-  const Job job = arguments.command == "solve"      ? Job::Solve
-                  : arguments.command == "map"      ? Job::Map
-                  : arguments.command == "validate" ? Job::Validate
-                  : arguments.command == "optimize" ? Job::Optimize
-                  : arguments.command == "grow"     ? Job::Grow
-                                                    : Job::Run;
-  if (arguments.dry_run) {
-    watchdog.allow_forecast();
-    catch_signals();
-    const Forecast f = *foretell(c, job, arguments);
-    print(fmt::format("{} (found out in {:.1f} s on coarser meshes)\n", in_words(f), f.taken));
-    return 0;
-  }
-  // Whoever started this process: MPI knows how many there are, before any of them writes.
-  if (c.backend == Backend::Petsc && processes.start() > 0) {
-    serve(c, processes, watchdog);
-    return 0;
-  }
-  if (options.resume) check_checkpoint(options.folder, c.fingerprint);
-  // Nothing to resume: a run like any other, which overwrites nothing.
-  const bool resume = options.resume;
-  options.resume = resume && has_checkpoint(options.folder);
-  FolderLock lock;
-  claim_folder(options.folder, arguments.force, resume, lock);
-  options.lock = &lock;
-  catch_signals();
-  return perform_jobs(arguments, c, job, options, watchdog);
+  return perform_run(arguments, c, watchdog, processes);
 }
 
 /// Reading counts, too: gmsh may take long for a geometry.

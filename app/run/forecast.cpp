@@ -150,6 +150,20 @@ double size_for(const Case& c, double share) {
   return target_size(c.sizing, c.shape) / std::sqrt(share);
 }
 
+/// `rough`: of the run, `of_trial`: of the trial, as their sizes say it.
+void count_triangles(const Case& c, const Trial& trial, double rough, double of_trial, Forecast& f) {
+  constexpr double countable = 4e6;
+  if (c.adapt) {
+    f.triangles = rough;
+  } else if (rough < countable) {
+    f.exact = trial.n == trial.meshed;
+    f.triangles =
+        divided(c) * (static_cast<double>(triangulate(c.shape, c.sizing).triangles.size()) + (trial.n - trial.meshed));
+  } else {
+    f.triangles = rough * std::max(1.0, trial.n / of_trial);
+  }
+}
+
 }  // namespace
 
 double rough_triangles(const Case& c) {
@@ -185,16 +199,7 @@ Forecast forecast(const Case& c, Job job, int threads) {
     seconds = lesser(seconds, try_out(quiet, Job::Solve, threads, scratch.path / "again").result.seconds);
 
   Forecast f;
-  constexpr double countable = 4e6;
-  if (c.adapt) {
-    f.triangles = rough;
-  } else if (rough < countable) {
-    f.exact = trial.n == trial.meshed;
-    f.triangles =
-        divided(c) * (static_cast<double>(triangulate(c.shape, c.sizing).triangles.size()) + (trial.n - trial.meshed));
-  } else {
-    f.triangles = rough * std::max(1.0, trial.n / triangles_of_size(larger));
-  }
+  count_triangles(c, trial, rough, triangles_of_size(larger), f);
   const Seconds s = continued(trial, seconds, f.triangles);
   f.seconds = s.total;
   // The state of one degree more: twice the entries of the factor, and twice its time.

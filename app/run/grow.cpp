@@ -57,6 +57,43 @@ std::string file_of(int step) {
   return fmt::format("growth_{:04}.vtu", step);
 }
 
+/// What growth has found, but for its steps' files.
+void take_grown(growth::Grown& grown, GrowthResult& result) {
+  result.ended = std::move(grown.ended);
+  result.notes = std::move(grown.notes);
+  result.solves = grown.solves;
+  result.step = grown.step;
+  result.path_error = grown.path_error;
+  result.cycles_error = grown.cycles_error;
+  result.energy_balance = grown.energy_balance;
+  result.bounds = std::move(grown.bounds);
+  result.unstable_from = grown.unstable_from;
+  result.snaps_back_from = grown.snaps_back_from;
+  result.steps = std::move(grown.steps);
+}
+
+/// Tables of the tips, the steps in their order, and the body as a case and a picture.
+void write_grown(const Case& c, const Shape& shape, const GrowthResult& result, Journal& journal) {
+  for (const std::string& tip : tips_of(result)) {
+    std::string name = tip;
+    std::ranges::replace(name, ':', '_');
+    write_beta_csv(journal.file(fmt::format("beta_{}.csv", name)), result, tip, c.grow->stress);
+  }
+  if (journal.vtk) {
+    std::vector<std::pair<int, std::string>> files;
+    for (const growth::GrowthStep& s : result.steps) files.emplace_back(s.number, file_of(s.number));
+    journal.later([path = journal.file("growth.pvd"), files = std::move(files)] { write_collection(path, files); });
+  }
+  const DesignFile file{
+      shape,
+      c.scene.laws,
+      c.regions,
+      {fmt::format("The body into which the cracks of \"{}\" have grown: {}.", c.title, result.ended)}};
+  write_text(journal, "grown.toml", design_case(c, file, journal.options.folder));
+  journal.picture("growth.png",
+                  [&] { return design_picture(c.title, triangulate(shape, c.sizing), c.scene, {}, extent(shape)); });
+}
+
 }  // namespace
 
 GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal) {
@@ -100,42 +137,15 @@ GrowthResult grow_cracks(const Case& c, const Adaptation& how, Journal& journal)
   if (journal.options.resume)
     if (const auto found = read_checkpoint(checkpoint)) before = growth_record(*found);
   growth::Grown grown = growth::grow(c.shape, c.sizing, c.element, c.scene, request, each, watch, std::move(before));
-  result.ended = std::move(grown.ended);
-  result.notes = std::move(grown.notes);
-  if (std::string doubt = doubt_units(request, grown); !doubt.empty()) result.notes.push_back(std::move(doubt));
-  result.solves = grown.solves;
-  result.step = grown.step;
-  result.path_error = grown.path_error;
-  result.cycles_error = grown.cycles_error;
-  result.energy_balance = grown.energy_balance;
-  result.bounds = std::move(grown.bounds);
-  result.unstable_from = grown.unstable_from;
-  result.snaps_back_from = grown.snaps_back_from;
-  result.steps = std::move(grown.steps);
+  const std::string doubt = doubt_units(request, grown);
+  take_grown(grown, result);
+  if (!doubt.empty()) result.notes.push_back(doubt);
   journal.lap();
   journal.seconds.grow = clock.lap();
   journal.begin("write the grown body");
   constexpr std::size_t most_shots = 64;
   if (journal.html) add_shots(journal.arrays, "growth", pick(bodies, most_shots));
-  for (const std::string& tip : tips_of(result)) {
-    std::string name = tip;
-    std::ranges::replace(name, ':', '_');
-    write_beta_csv(journal.file(fmt::format("beta_{}.csv", name)), result, tip, request.stress);
-  }
-  if (journal.vtk) {
-    std::vector<std::pair<int, std::string>> files;
-    for (const growth::GrowthStep& s : result.steps) files.emplace_back(s.number, file_of(s.number));
-    journal.later([path = journal.file("growth.pvd"), files = std::move(files)] { write_collection(path, files); });
-  }
-  const DesignFile file{
-      grown.shape,
-      c.scene.laws,
-      c.regions,
-      {fmt::format("The body into which the cracks of \"{}\" have grown: {}.", c.title, result.ended)}};
-  write_text(journal, "grown.toml", design_case(c, file, journal.options.folder));
-  journal.picture("growth.png", [&] {
-    return design_picture(c.title, triangulate(grown.shape, c.sizing), c.scene, {}, extent(grown.shape));
-  });
+  write_grown(c, grown.shape, result, journal);
   journal.seconds.output += journal.lap();
   if (stop_requested())
     throw Error(Fault::Numerics, fmt::format("stopped after step {}; --resume goes on from there",
