@@ -119,7 +119,7 @@ class CaseIntervals {
     if (term.tip->quantity == TipQuantity::Equivalent)
       return no_interval("no bound: the equivalent K has none; bound energy_release_rate, its square over E'");
     const std::optional<TipIntensity> tip = tip_of(term, e_.shape);
-    if (!tip) return no_interval("no bound: it is of no crack tip of the design");
+    if (!tip) return no_interval("no bound: it is of a tip along no crack of the design");
     if (!faces_) {
       // Contact that is open everywhere has the state of the open crack, which is linear.
       if (open_everywhere(c_.model, c_.state)) opened_.emplace(opened(c_.model, threads_));

@@ -184,6 +184,10 @@ TEST(Upper, WhatHasNoIntervalSaysWhy) {
                                2, [](const Vec2&) { return 2.0; }, true)}}),
               "weight");
   expect_note(interval(p, {"", {energy_release_rate({0.3, 0}, {1, 0.1}, ring, {})}}), "along no crack");
+  const auto intensity = [&](TipQuantity quantity) {
+    return interval(p, {"", {stress_intensity({quantity, {1, 0}}, {0.3, 0}, ring, {})}});
+  };
+  expect_note(intensity(TipQuantity::Equivalent), "the equivalent K has none");
   expect_note(interval(p, {"", {energy_release_rate({0.3, 0}, {1, 0}, ring, {}), compliance()}}), "compliance");
   Problem touching = p;
   touching.scene.laws[0].kind = CrackLaw::Kind::Unilateral;
