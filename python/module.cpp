@@ -629,7 +629,7 @@ PYBIND11_MODULE(_kerf, m) {
     const Node node = value_node(value, "set", trouble);
     if (has_functions(node))
       throw Error(Fault::Usage, "a function stands in the dict of a case; what is set or swept are values");
-    return inline_text(node, Digits::Needed);
+    return inline_text(node);
   });
   offer_cases(m);
   offer_sweeps(m);

@@ -46,7 +46,7 @@ void add_keys(const Node& node, const std::string& path, int run, Paired& to) {
       add_keys(node.items[k], fmt::format("{}[{}]", path, name), run, to);
     }
   } else {
-    to.add(path, run, inline_text(node, Digits::Needed));
+    to.add(path, run, inline_text(node));
   }
 }
 

@@ -148,15 +148,15 @@ Swept parse_swept(std::string_view assignment) {
   const std::vector<std::string> parts = parts_of(assignment.substr(equals + 1));
   Swept listed{key, {}};
   if (parts.size() > 1) {
-    for (const std::string& part : parts) listed.values.push_back(inline_text(parse(part), Digits::Needed));
+    for (const std::string& part : parts) listed.values.push_back(inline_text(parse(part)));
     return listed;
   }
   const Node list = parse(parts[0]);
-  if (inline_text(list, Digits::Needed) == by_itself) return {key, {by_itself}};
+  if (inline_text(list) == by_itself) return {key, {by_itself}};
   if (list.kind != Node::Kind::Array || list.items.empty())
     throw Error(Fault::Usage, fmt::format("{}: write a list of its values, as '{}=[1, 2]'", name, key));
   Swept out{key, {}};
-  for (const Node& value : list.items) out.values.push_back(inline_text(value, Digits::Needed));
+  for (const Node& value : list.items) out.values.push_back(inline_text(value));
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Nodes of a document as TOML, with all digits of a double or with as many as read back to the same one.
+// Nodes of a document as TOML, numbers with as many digits as read back to the same bits.
 
 #include "io/case/write.hpp"
 
@@ -7,7 +7,7 @@
 namespace kerf {
 
 std::string number(double x) {
-  const std::string text = fmt::format("{:.17g}", x);
+  const std::string text = fmt::format("{}", x);
   return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
 }
 
@@ -24,16 +24,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-namespace {
-
-std::string needed_digits(double x) {
-  const std::string text = fmt::format("{}", x);
-  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-}
-
-}  // namespace
-
-std::string inline_text(const Node& node, Digits digits) {
+std::string inline_text(const Node& node) {
   std::vector<std::string> parts;
   switch (node.kind) {
     case Node::Kind::Boolean:
@@ -41,20 +32,20 @@ std::string inline_text(const Node& node, Digits digits) {
     case Node::Kind::Integer:
       return fmt::format("{:.0f}", node.number);
     case Node::Kind::Float:
-      return digits == Digits::All ? number(node.number) : needed_digits(node.number);
+      return number(node.number);
     case Node::Kind::String:
     case Node::Kind::Function:  // what it is called: a file cannot have more of it
       return quoted(node.text);
     case Node::Kind::Date:
       return node.text;
     case Node::Kind::Array:
-      for (const Node& item : node.items) parts.push_back(inline_text(item, digits));
+      for (const Node& item : node.items) parts.push_back(inline_text(item));
       return fmt::format("[{}]", fmt::join(parts, ", "));
     case Node::Kind::Table:
       break;
   }
   for (const Entry& entry : node.entries)
-    parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value, digits)));
+    parts.push_back(fmt::format("{} = {}", quoted(entry.key), inline_text(entry.value)));
   return fmt::format("{{ {} }}", fmt::join(parts, ", "));
 }
 

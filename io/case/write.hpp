@@ -5,14 +5,13 @@
 
 namespace kerf {
 
-/// 17 digits, and a point or an e, so that it reads back to the same bits as a number that is no integer.
+/// As few digits as read back to the same bits, and a point or an e, so that it is no integer.
 std::string number(double x);
 
 std::string quoted(const std::string& text);
 
-/// A value as it stands behind "key = ", on one line; numbers with 17 digits, or as few as read back to the same bits.
-enum class Digits { All, Needed };
-std::string inline_text(const Node& node, Digits digits = Digits::All);
+/// A value as it stands behind "key = ", on one line.
+std::string inline_text(const Node& node);
 
 /// "key = value", "[key]" with its keys, or "[[key]]" for every table of a list: what stands at the top of a document.
 void add_entry(const Entry& entry, std::string& out);

@@ -222,6 +222,7 @@ class CurvesRun {
   const CurvesRequest& how_;
   const CurvesObserver& see_;
   const std::vector<CurvesRow>& known_;
+  std::size_t replayed_ = known_.size();
   double size_, whole_ = 0, most_ = infinity, volume_price_ = 0, radius_ = 0;
   bool bounded_ = false, forgotten_ = false;
   bool lenient_ = false;  // steps do not make up for what the geometry violates, and only make it no worse
@@ -360,14 +361,16 @@ bool CurvesRun::replays(const CurvesRow& row, const DesignCurves& d, bool meshed
 std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::shared_ptr<Base>& base,
                                          std::string& failure) {
   Point x{.curves = d, .base = base};
-  // Evaluation k of a run replays row k of the one before.
+  // Evaluation k of a run replays row k of the one before, up to where that went another way: to its end, with fewer
+  // iterations than now.
   const auto number = std::size_t(evaluations_++);
-  const bool replay = number < known_.size();
-  if (replay) {
-    if (!replays(known_[number], d, base != nullptr))
-      throw Error(Fault::Files, fmt::format("evaluation {} of the curves in the checkpoint is not the one that this "
-                                            "run makes (another version or machine?); start without --resume",
-                                            number + 1));
+  if (number < replayed_ && !replays(known_[number], d, base != nullptr)) {
+    out_.notes.push_back(fmt::format("from evaluation {} of the curves on the run before went another way, to its end "
+                                     "or in another version; they are made anew",
+                                     number + 1));
+    replayed_ = number;
+  }
+  if (number < replayed_) {
     solves_ = known_[number].state_solves;
     failure = known_[number].failure;
     if (failure.empty()) recall(known_[number], x);

@@ -75,7 +75,7 @@ bool LevelSetRun::show_new() {
 }
 
 /// Whether to go on after them.
-/// Rows known from a checkpoint come through `see` as well, and are not kept twice.
+/// Rows known from a checkpoint come through `see` as well, and are not kept twice; from where they differ they go.
 bool LevelSetRun::make_curves(FinishedCurves& finished) {
   const std::vector<CurvesRow> known = curves_;
   const DescentState& s = descent_->progress();
@@ -90,7 +90,8 @@ bool LevelSetRun::make_curves(FinishedCurves& finished) {
   const CurvesObserver see = [&](const CurvesIterate& i) {
     for (; seen < i.rows.size(); ++seen) {
       row_of(i.rows[seen]);
-      if (seen >= known.size()) curves_.push_back(i.rows[seen]);
+      if (seen < curves_.size() && !std::ranges::equal(curves_[seen].knots, i.rows[seen].knots)) curves_.resize(seen);
+      if (seen >= curves_.size()) curves_.push_back(i.rows[seen]);
     }
     if (see_) go_on = see_({finishing_.back(), i.shape, i.model, i.state});
     save();

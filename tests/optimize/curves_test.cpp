@@ -230,6 +230,13 @@ TEST(Curves, ResumingThreadsAndUnitsChangeNothing) {
     EXPECT_EQ(rest.rows.back().knots, whole.rows.back().knots);
     EXPECT_LE(shown, int(whole.rows.size() - done));
   }
+  // With more evaluations than the run before, whose last rows are those of its end.
+  const FinishedCurves cut = finish_curves(p, r, carved, {.evaluations = 5}, {}),
+                       longer = finish_curves(p, r, carved, {.evaluations = 9}, {}, cut.rows);
+  EXPECT_NE(cut.rows.back().knots, whole.rows[cut.rows.size() - 1].knots);
+  EXPECT_EQ(longer.J, whole.J);
+  ASSERT_EQ(longer.rows.size(), whole.rows.size());
+  EXPECT_EQ(longer.rows.back().knots, whole.rows.back().knots);
   p.threads = 2;
   const FinishedCurves two = finish_curves(p, r, carved, {.evaluations = 9}, {});
   EXPECT_EQ(two.rows.back().knots, whole.rows.back().knots);

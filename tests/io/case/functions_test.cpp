@@ -117,12 +117,11 @@ TEST(Written, TruthIsTold) {
 TEST(Written, NumbersWithTheDigitsThatTheyNeed) {
   Node node;
   node.kind = Node::Kind::Float;
-  for (const auto& [value, all, needed] :
-       {std::tuple(0.1, "0.10000000000000001", "0.1"), std::tuple(3.0, "3.0", "3.0"),
-        std::tuple(1e300, "1.0000000000000001e+300", "1e+300"), std::tuple(infinity, "inf", "inf")}) {
+  const std::vector<std::pair<double, std::string>> numbers = {
+      {0.1, "0.1"}, {3.0, "3.0"}, {1e300, "1e+300"}, {1.0 / 3, "0.3333333333333333"}, {infinity, "inf"}};
+  for (const auto& [value, text] : numbers) {
     node.number = value;
-    EXPECT_EQ(inline_text(node), all);
-    EXPECT_EQ(inline_text(node, Digits::Needed), needed);
+    EXPECT_EQ(inline_text(node), text);
   }
 }
 
