@@ -365,9 +365,10 @@ std::optional<Point> CurvesRun::evaluate(const DesignCurves& d, const std::share
   // iterations than now.
   const auto number = std::size_t(evaluations_++);
   if (number < replayed_ && !replays(known_[number], d, base != nullptr)) {
-    out_.notes.push_back(fmt::format("from evaluation {} of the curves on the run before went another way, to its end "
-                                     "or in another version; they are made anew",
-                                     number + 1));
+    out_.notes.push_back(
+        fmt::format("from evaluation {} of the curves on the run before went another way, to its end "
+                    "or in another version; they are made anew",
+                    number + 1));
     replayed_ = number;
   }
   if (number < replayed_) {
