@@ -11,8 +11,8 @@ namespace kerf {
 /// "text" on one line: control characters become spaces, and what is longer than 60 bytes is cut.
 std::string quote(std::string_view text);
 
-/// `did you mean "young"?` when one of the known words is near (edit distance with transpositions, at most a third of
-/// the longer word), else `known: young, poisson`.
+/// `it is called "young" here` for the words of other programs, `did you mean "young"?` when one of the known words is
+/// near (edit distance with transpositions, at most a third of the longer word), else `known: young, poisson`.
 std::string suggest(std::string_view word, std::span<const std::string> known);
 
 bool contains(std::span<const std::string> words, std::string_view word);

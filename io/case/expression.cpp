@@ -97,6 +97,7 @@ std::string explain(const mu::ParserError& e) {
     case mu::ecUNEXPECTED_PARENS:
       return fmt::format("unexpected parenthesis {}", token);
     case mu::ecUNEXPECTED_OPERATOR:
+      if (e.GetExpr().find("**") != std::string::npos) return "** is no operator; write powers as x^2";
       return fmt::format("unexpected operator {}; a value is missing before it", token);
     case mu::ecUNEXPECTED_VAR:
     case mu::ecUNEXPECTED_VAL:

@@ -1,11 +1,12 @@
-// Words in messages: quoted without control characters, the nearest known word by edit distance, names that are safe
-// for files.
+// Words in messages: quoted without control characters, the word that kerf has for one of other programs or else the
+// nearest known one by edit distance, names that are safe for files.
 
 #include "io/words.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace kerf {
 
@@ -28,6 +29,79 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// What papers and other programs call it, in small letters and without _ and -.
+struct Synonym {
+  std::string_view other, here, how = "";
+};
+constexpr std::array<Synonym, 57> synonyms{{{"e", "young"},
+                                            {"youngsmodulus", "young"},
+                                            {"youngmodulus", "young"},
+                                            {"modulus", "young"},
+                                            {"elasticmodulus", "young"},
+                                            {"nu", "poisson"},
+                                            {"poissonratio", "poisson"},
+                                            {"poissonsratio", "poisson"},
+                                            {"g", "shear"},
+                                            {"kic", "toughness"},
+                                            {"fracturetoughness", "toughness"},
+                                            {"gc", "release_rate"},
+                                            {"gic", "release_rate"},
+                                            {"yieldstress", "yield"},
+                                            {"yieldstrength", "yield"},
+                                            {"sigmay", "yield"},
+                                            {"diameter", "radius", "half of the diameter"},
+                                            {"d", "radius", "half of the diameter"},
+                                            {"r", "radius"},
+                                            {"h", "size"},
+                                            {"lc", "size"},
+                                            {"elementsize", "size"},
+                                            {"meshsize", "size"},
+                                            {"fixed", "displacement", "[0, 0]"},
+                                            {"fix", "displacement", "[0, 0]"},
+                                            {"clamped", "displacement", "[0, 0]"},
+                                            {"encastre", "displacement", "[0, 0]"},
+                                            {"roller", "displacement_normal", "0"},
+                                            {"ux", "displacement_x"},
+                                            {"uy", "displacement_y"},
+                                            {"u", "displacement"},
+                                            {"stress", "traction"},
+                                            {"p", "pressure"},
+                                            {"p", "force"},
+                                            {"load", "force"},
+                                            {"load", "traction"},
+                                            {"force", "traction", "a force per length and thickness"},
+                                            {"points", "path"},
+                                            {"coordinates", "path"},
+                                            {"vertices", "outline"},
+                                            {"polygon", "outline"},
+                                            {"free", "open"},
+                                            {"frictionless", "unilateral"},
+                                            {"tied", "bonded"},
+                                            {"glued", "bonded"},
+                                            {"mu", "friction"},
+                                            {"objective", "functional"},
+                                            {"geometry", "domain"},
+                                            {"bc", "boundary"},
+                                            {"void", "hole"},
+                                            {"cavity", "hole"},
+                                            {"vonmises", "max_stress"},
+                                            {"mises", "max_stress"},
+                                            {"stiffness", "compliance", "which is least for the stiffest body"},
+                                            {"strainenergy", "energy"},
+                                            {"volumefraction", "volume"},
+                                            {"simp", "level-set"}}};
+
+/// The known word for that of others, with what to know about it.
+std::string translated(std::string_view word, std::span<const std::string> known) {
+  std::string plain;
+  for (const char c : word)
+    if (c != '_' && c != '-' && c != ' ') plain += static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  for (const Synonym& s : synonyms)
+    if (s.other == plain && contains(known, s.here))
+      return fmt::format("it is called \"{}\" here{}{}", s.here, s.how.empty() ? "" : ": ", s.how);
+  return {};
+}
+
 /// Without what a terminal would obey.
 std::string printable(std::string_view text) {
   std::string out(text);
@@ -47,6 +121,7 @@ std::string quote(std::string_view text) {
 }
 
 std::string suggest(std::string_view word, std::span<const std::string> known) {
+  if (const std::string here = translated(word, known); !here.empty()) return here;
   constexpr std::size_t longest = 100;  // nobody mistypes more, and the table is quadratic
   const std::string* best = nullptr;
   std::size_t best_distance = longest;

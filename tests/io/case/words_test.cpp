@@ -15,6 +15,12 @@ TEST(Words, SuggestsTheNearest) {
   EXPECT_EQ(suggest("density", known), "known: young, poisson, state");
   EXPECT_EQ(suggest(std::string(100000, 'y'), known), "known: young, poisson, state");
   EXPECT_EQ(suggest("a", {}), "none is known here");
+  // Words of other programs, where kerf has one here.
+  EXPECT_EQ(suggest("E", known), "it is called \"young\" here");
+  EXPECT_EQ(suggest("Poisson_Ratio", known), "it is called \"poisson\" here");
+  EXPECT_EQ(suggest("diameter", std::vector<std::string>{"center", "radius"}),
+            "it is called \"radius\" here: half of the diameter");
+  EXPECT_EQ(suggest("diameter", known), "known: young, poisson, state");
   // Names of a stranger may hold what a terminal obeys.
   const std::vector<std::string> odd{"a\x1b[2J", std::string("b\0\n\x7f", 4)};
   EXPECT_EQ(suggest("density", odd), "known: a [2J, b   ");
