@@ -80,7 +80,7 @@ constexpr Key rows[] = {
      "Corners of a simple polygon, in order. An entry { arc_to = [x, y], center = [x, y] } makes the edge that arrives "
      "there an arc. Two entries make a disc.",
      "[[0, 0], [2, 0], [2, 1], [0, 1]]"},
-    {"domain.outline[].arc_to", Pair, {.required = true}, "Where the arc ends.", "[1, 0]"},
+    {"domain.outline[].arc_to", Pair, {.required = true}, "End of the arc.", "[1, 0]"},
     {"domain.outline[].center",
      Pair,
      {.required = true},
@@ -130,7 +130,7 @@ constexpr Key rows[] = {
      {.one_of = true},
      "Its corners, in order, with arcs between them as in domain.outline.",
      "[[0, 0], { arc_to = [1, 0], center = [0.5, 0] }]"},
-    {"hole[].outline[].arc_to", Pair, {.required = true}, "Where the arc ends.", "[1, 0]"},
+    {"hole[].outline[].arc_to", Pair, {.required = true}, "End of the arc.", "[1, 0]"},
     {"hole[].outline[].center", Pair, {.required = true}, "Its center, as in domain.outline.", "[0.5, 0]"},
     {"hole[].sides",
      Name | Names,
@@ -279,7 +279,7 @@ constexpr Key rows[] = {
      {.one_of = true},
      "Its corners, in order, with arcs between them as in domain.outline.",
      "[[0, 0], { arc_to = [1, 0], center = [0.5, 0] }]"},
-    {"region[].outline[].arc_to", Pair, {.required = true}, "Where the arc ends.", "[1, 0]"},
+    {"region[].outline[].arc_to", Pair, {.required = true}, "End of the arc.", "[1, 0]"},
     {"region[].outline[].center", Pair, {.required = true}, "Its center, as in domain.outline.", "[0.5, 0]"},
     {"region[].young",
      Number | Pair,
@@ -913,8 +913,8 @@ constexpr Key rows[] = {
      {},
      "Mean stresses along a line inside the body: s_nn and s_nt across it, s_tt along it; n is its direction turned by "
      "+90 degrees. It must end before boundaries, cracks and other materials. It costs three quantities."},
-    {"bounds.line[].from", Pair, {.required = true}, "Where it begins.", "[0.2, 0.5]"},
-    {"bounds.line[].to", Pair, {.required = true}, "Where it ends.", "[0.8, 0.5]"},
+    {"bounds.line[].from", Pair, {.required = true}, "Start of the line.", "[0.2, 0.5]"},
+    {"bounds.line[].to", Pair, {.required = true}, "End of the line.", "[0.8, 0.5]"},
 
     {"output",
      Table,
