@@ -9,6 +9,8 @@
 namespace kerf {
 
 enum class Job { Run, Solve, Map, Validate, Optimize, Grow };
+/// "solve", "map", ... as the commands are called; every other word is Run.
+Job job_called(std::string_view command);
 
 /// What the numbers of a result come from, of the body that its state belongs to, for who wants more than files.
 struct RunFields {

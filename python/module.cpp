@@ -221,15 +221,6 @@ struct How {
   py::object on_phase, on_iteration, on_step;
 };
 
-Job job_called(const std::string& word) {
-  return word == "solve"      ? Job::Solve
-         : word == "map"      ? Job::Map
-         : word == "validate" ? Job::Validate
-         : word == "optimize" ? Job::Optimize
-         : word == "grow"     ? Job::Grow
-                              : Job::Run;
-}
-
 /// Calls back into Python. What that raises ends the computation.
 template <typename... Arguments>
 void tell(const py::object& function, Trouble& trouble, const Arguments&... arguments) {

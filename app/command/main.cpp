@@ -429,15 +429,6 @@ void serve(const Case& c, Processes& processes, const Watchdog& watchdog) {
                   [&] { return watchdog.why(); });
 }
 
-Job job_of(const std::string& command) {
-  return command == "solve"      ? Job::Solve
-         : command == "map"      ? Job::Map
-         : command == "validate" ? Job::Validate
-         : command == "optimize" ? Job::Optimize
-         : command == "grow"     ? Job::Grow
-                                 : Job::Run;
-}
-
 /// What takes a case and a folder.
 int perform_run(const Arguments& arguments, const Case& c, Watchdog& watchdog, Processes& processes) {
   RunOptions options;
@@ -452,7 +443,7 @@ int perform_run(const Arguments& arguments, const Case& c, Watchdog& watchdog, P
   options.resume = arguments.resume;
   if (options.resume && !c.optimize && !c.grow)
     throw Error(Fault::Usage, "there is nothing to resume: the case has no table [optimize] and no table [grow]");
-  const Job job = job_of(arguments.command);
+  const Job job = job_called(arguments.command);
   if (arguments.dry_run) {
     watchdog.allow_forecast();
     catch_signals();

@@ -645,6 +645,15 @@ Result complete(const Case& read, const Jobs& jobs, Journal& journal) {
 
 }  // namespace
 
+Job job_called(std::string_view command) {
+  return command == "solve"      ? Job::Solve
+         : command == "map"      ? Job::Map
+         : command == "validate" ? Job::Validate
+         : command == "optimize" ? Job::Optimize
+         : command == "grow"     ? Job::Grow
+                                 : Job::Run;
+}
+
 Result run(const Case& read, Job job, const RunOptions& options) {
   const Jobs jobs = jobs_of(read, job);
   if (options.resume && !jobs.optimize && !jobs.grow)

@@ -15,7 +15,7 @@ import unittest
 import kerf
 import numpy
 
-from plates import plate
+from plates import beam_with_a_hole, plate
 
 
 class Cases(unittest.TestCase):
@@ -197,16 +197,7 @@ class Field:
 
 
 class Optimizations(unittest.TestCase):
-    case = {
-        "domain": {"outline": [[0, 0], [2, 0], [2, 1], [0, 1]], "sides": ["bottom", "right", "top", "left"]},
-        "material": {"young": 1.0, "poisson": 0.3},
-        "boundary": [{"on": "left", "displacement": [0, 0]}, {"on": "right", "traction": [0, -1]}],
-        "mesh": {"size": 0.25},
-        "functional": {"kind": "compliance"},
-        "optimize": {"method": "mma", "volume": {"at_most": 0.99}, "max_iterations": 4, "hole": [
-            {"circle": {"center": [[0.5, 1.5], [0.3, 0.7]], "radius": [0.1, 0.2]},
-             "start": {"center": [1.0, 0.5], "radius": 0.15}}]},
-    }
+    case = beam_with_a_hole()
 
     def test_iterations_are_told(self):
         seen, phases = [], []
@@ -309,7 +300,7 @@ class Interruptions(unittest.TestCase):
         said = subprocess.run([sys.executable, "-c", """
 import ctypes, kerf, sys
 sys.path.insert(0, ".")
-from plates import plate
+from plates import beam_with_a_hole, plate
 blas = ctypes.CDLL("libopenblas.so.0")
 blas.openblas_set_num_threads(2)
 kerf.Case(plate()).solve()

@@ -12,7 +12,7 @@ import unittest
 import kerf
 import numpy
 
-from plates import plate
+from plates import beam_with_a_hole, plate
 
 
 def linear():
@@ -202,16 +202,7 @@ class Loading(unittest.TestCase):
 
 
 class Designs(unittest.TestCase):
-    case = {
-        "domain": {"outline": [[0, 0], [2, 0], [2, 1], [0, 1]], "sides": ["bottom", "right", "top", "left"]},
-        "material": {"young": 1.0, "poisson": 0.3},
-        "boundary": [{"on": "left", "displacement": [0, 0]}, {"on": "right", "traction": [0, -1]}],
-        "mesh": {"size": 0.25},
-        "functional": {"kind": "compliance"},
-        "optimize": {"method": "mma", "volume": {"at_most": 0.99}, "max_iterations": 4, "hole": [
-            {"name": "h", "circle": {"center": [[0.5, 1.5], [0.3, 0.7]], "radius": [0.1, 0.2]},
-             "start": {"center": [1.0, 0.5], "radius": 0.15}}]},
-    }
+    case = beam_with_a_hole(name="h")
 
     def test_gradients(self):
         """Central differences, on a mesh that moves along."""

@@ -49,25 +49,9 @@ constexpr int rings = 3;
 constexpr int middle = 1;
 constexpr int auxiliary = 3;  // unit K_I, unit K_II, unit force
 
-/// q falls from 1 to 0 between the radii, twice continuously differentiable.
-/// q = 1 - t^3 (10 - 15 t + 6 t^2), t from the inner to the outer radius.
-struct Ring {
-  double inner, outer;
-};
-
-double cut_off(const Ring& ring, double r) {
-  const double t = std::clamp((r - ring.inner) / (ring.outer - ring.inner), 0.0, 1.0);
-  return 1 - t * t * t * (10 + t * (6 * t - 15));
-}
-
-double cut_off_slope(const Ring& ring, double r) {
-  const double t = std::clamp((r - ring.inner) / (ring.outer - ring.inner), 0.0, 1.0);
-  return -30 * t * t * (1 - t) * (1 - t) / (ring.outer - ring.inner);
-}
-
 /// Each ring is 0.6 of its outer radius wide.
-std::array<Ring, rings> place_rings(double radius) {
-  std::array<Ring, rings> ring;
+std::array<TipRing, rings> place_rings(double radius) {
+  std::array<TipRing, rings> ring;
   for (int k = 0; k < rings; ++k) {
     const double outer = (1 - 0.2 * k) * radius;
     ring[k] = {0.4 * outer, outer};
@@ -84,7 +68,7 @@ using Vectors = Eigen::Matrix<double, 2, auxiliary + 1>;  // P of these four in 
 struct Disc {
   CrackTip tip;
   Material material;  // as seen in the frame of the tip; no ring reaches another one
-  std::array<Ring, rings> ring;
+  std::array<TipRing, rings> ring;
   double rotation =
       0;  // mean over the disc: rigid, so that taking it out changes nothing but the rounding and the mesh error
   PolynomialState smooth;  // in the frame of the tip, less that rotation
@@ -132,7 +116,7 @@ Integrals over_triangle(const Model& model, const Field& state, const Disc& disc
   // q bends within a ring: small triangles see a parabola of it.
   constexpr double small = 0.2;
   const double size = std::sqrt(2 * area(shape));
-  const Ring& narrow = disc.ring.back();
+  const TipRing& narrow = disc.ring.back();
   const TriangleRule& rule =
       size < small * (narrow.outer - narrow.inner) ? model.inner->kernel.rule : model.inner->kernel.load;
   const Points x = rule_points(rule, shape);

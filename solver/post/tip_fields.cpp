@@ -10,10 +10,29 @@
 #include "solver/recovery.hpp"
 #include "solver/system.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
 namespace kerf {
+
+namespace {
+
+double part_of(const TipRing& ring, double r) {
+  return std::clamp((r - ring.inner) / (ring.outer - ring.inner), 0.0, 1.0);
+}
+
+}  // namespace
+
+double cut_off(const TipRing& ring, double r) {
+  const double t = part_of(ring, r);
+  return 1 - t * t * t * (10 + t * (6 * t - 15));
+}
+
+double cut_off_slope(const TipRing& ring, double r) {
+  const double t = part_of(ring, r);
+  return -30 * t * t * (1 - t) * (1 - t) / (ring.outer - ring.inner);
+}
 
 std::array<LocalState, 3> tip_fields(const Material& m, const Vec2& x, double angle) {
   if (!isotropic(m)) return orthotropic_tip_fields(m, x, angle);

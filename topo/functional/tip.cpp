@@ -22,21 +22,15 @@ namespace kerf {
 
 namespace {
 
-/// A quintic between 1 at the inner and 0 at the outer radius: two continuous derivatives.
 struct CutOff {
   Vec2 tip;
-  double inner, outer;
+  TipRing ring;
 
-  double t(double r) const {
-    return (r - inner) / (outer - inner);
-  }
   double value(double r) const {
-    return r <= inner ? 1 : r >= outer ? 0 : 1 - t(r) * t(r) * t(r) * (10 - 15 * t(r) + 6 * t(r) * t(r));
+    return cut_off(ring, r);
   }
   Vec2 gradient(const Vec2& d, double r) const {
-    if (r <= inner || r >= outer) return Vec2::Zero();
-    const double slope = -30 * t(r) * t(r) * (1 - t(r)) * (1 - t(r)) / (outer - inner);
-    return slope / r * d;
+    return r > ring.inner ? Vec2(cut_off_slope(ring, r) / r * d) : Vec2(Vec2::Zero());
   }
 };
 
@@ -57,12 +51,12 @@ Term ring_term(const char* kind, const OfTip& of, const CutOff& q, bool loaded) 
   Term term{.kind = kind};
   term.uses_stress = term.uses_rotation = true;
   term.feature = q.tip;
-  term.feature_radius = q.outer;
+  term.feature_radius = q.ring.outer;
   term.tip = of;
   // With a body force q itself counts and the disc inside the ring has a density.
   term.somewhere = [=](const Vec2& center, double radius) {
     const double r = (center - q.tip).norm();
-    return r - radius < q.outer && (loaded || r + radius > q.inner);
+    return r - radius < q.ring.outer && (loaded || r + radius > q.ring.inner);
   };
   return term;
 }
@@ -71,7 +65,7 @@ Term ring_term(const char* kind, const OfTip& of, const CutOff& q, bool loaded) 
 Density release(const FieldPoint& p, const CutOff& q, const Vec2& along, const VectorField& body) {
   const Vec2 d = p.x - q.tip;
   const double r = d.norm();
-  if (r >= q.outer) return Density{};
+  if (r >= q.ring.outer) return Density{};
   const Vec2 grad_q = q.gradient(d, r);
   const Mat2& s = p.stress;
   const Mat2 e = strain(p.material, s);
@@ -96,7 +90,7 @@ Density release(const FieldPoint& p, const CutOff& q, const Vec2& along, const V
 Density intensity(const FieldPoint& p, const CutOff& q, const Vec2& along, int mode, const VectorField& body) {
   const Vec2 d = p.x - q.tip;
   const double r = d.norm();
-  if (r >= q.outer) return Density{};
+  if (r >= q.ring.outer) return Density{};
   const Mat2 frame = (Mat2() << along.x(), -along.y(), along.y(), along.x()).finished();
   const Vec2 at = frame.transpose() * d;
   const LocalState unit = tip_fields(p.material, at, std::atan2(at.y(), at.x()))[static_cast<std::size_t>(mode)];
@@ -141,7 +135,7 @@ bool at_closed_tip(const Term& term, const Model& m, const Field& s) {
 }
 
 Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::array<double, 2>& ring, VectorField body) {
-  const CutOff q{tip, ring[0], ring[1]};
+  const CutOff q{tip, {ring[0], ring[1]}};
   const OfTip of{.along = direction.normalized()};
   Term term = ring_term("energy_release_rate", of, q, static_cast<bool>(body));
   term.density = [q, along = of.along, body = std::move(body)](const FieldPoint& p) {
@@ -152,7 +146,7 @@ Term energy_release_rate(const Vec2& tip, const Vec2& direction, const std::arra
 
 Term stress_intensity(const OfTip& given, const Vec2& tip, const std::array<double, 2>& ring, VectorField body,
                       Index crack) {
-  const CutOff q{tip, ring[0], ring[1]};
+  const CutOff q{tip, {ring[0], ring[1]}};
   const OfTip of{given.quantity, given.along.normalized()};
   Term term = ring_term("stress_intensity", of, q, static_cast<bool>(body));
   if (of.quantity == TipQuantity::Equivalent) {
